@@ -1,0 +1,3 @@
+//! GPU benches.
+
+fn main() {}

@@ -1,0 +1,3 @@
+//! The `umbravox` program.
+
+fn main() {}

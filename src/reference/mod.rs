@@ -1,0 +1,1 @@
+//! The scalar f64 renderer that the GPU is tested against.

@@ -1,0 +1,85 @@
+//! Settings of local ambient occlusion (Hernell, Ljung, Ynnerman 2007).
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::DirectionSet;
+
+/// Local ambient occlusion. Lengths are in voxels of the finest level (smallest spacing), isotropic in mm.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct AmbientOcclusion {
+    /// Directions, >= 1. Subdivided solids give at least as many. Default 32.
+    pub rays: u32,
+    /// Radius of the sphere, > offset. Default 16.
+    pub radius: f64,
+    /// Where a ray starts, >= 0. Default 1.
+    pub offset: f64,
+    /// Upper bound of the sample distance, > 0: `ceil((radius - offset) / step)` samples a ray. Default 1.
+    pub step: f64,
+    /// Contrast: exponent on the transparency of a sample, >= 0. Default 1.
+    pub gamma: f64,
+    /// Light added everywhere, >= 0. Default 0.
+    pub bias: f64,
+    /// Where the directions come from. Default Fibonacci.
+    pub directions: DirectionSet,
+    /// One weight in [0,1] per direction; `null`: all 1.
+    pub weights: Option<Vec<f64>>,
+    /// Explicit directions (towards the light, any length > 0, world space) in place of `rays` and `directions`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub explicit_directions: Option<Vec<[f64; 3]>>,
+    /// Add the transfer function's emission to the light (eq. 4). Off: eq. 1. Default on.
+    pub emission: bool,
+}
+
+impl Default for AmbientOcclusion {
+    fn default() -> Self {
+        Self {
+            rays: 32,
+            radius: 16.0,
+            offset: 1.0,
+            step: 1.0,
+            gamma: 1.0,
+            bias: 0.0,
+            directions: DirectionSet::Fibonacci,
+            weights: None,
+            explicit_directions: None,
+            emission: true,
+        }
+    }
+}
+
+impl AmbientOcclusion {
+    /// Samples on a ray of the finest level, `M`.
+    pub fn samples_per_ray(&self) -> u32 {
+        ((self.radius - self.offset) / self.step).ceil().max(1.0) as u32
+    }
+
+    /// The unit directions and their weights, in the order in which they are traced.
+    pub fn weighted_directions(&self) -> Vec<([f64; 3], f64)> {
+        let dirs = match &self.explicit_directions {
+            Some(explicit) => explicit
+                .iter()
+                .map(|d| {
+                    glam::DVec3::from_array(*d)
+                        .normalize_or(glam::DVec3::Z)
+                        .to_array()
+                })
+                .collect(),
+            None => super::directions(self.directions, self.rays),
+        };
+        dirs.into_iter()
+            .enumerate()
+            .map(|(k, d)| {
+                (
+                    d,
+                    self.weights
+                        .as_ref()
+                        .and_then(|w| w.get(k))
+                        .copied()
+                        .unwrap_or(1.0),
+                )
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,34 @@
+//! The picture's size, background and encoding.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::ColorManagement;
+
+/// The picture.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Image {
+    /// Width and height, pixels. Default 512 x 512.
+    pub size: [u32; 2],
+    /// Colour behind the volume, display values in [0,1]. Default black.
+    pub background: [f64; 3],
+    /// Default "linear".
+    pub color_management: ColorManagement,
+    /// Bits per channel of PNG output, 8 or 16. Default 8.
+    pub png_bits: u8,
+    /// Accumulated opacity above which a ray's depth is taken, in (0,1]. Default 0.05.
+    pub depth_threshold: f64,
+}
+
+impl Default for Image {
+    fn default() -> Self {
+        Self {
+            size: [512, 512],
+            background: [0.0; 3],
+            color_management: ColorManagement::Linear,
+            png_bits: 8,
+            depth_threshold: 0.05,
+        }
+    }
+}

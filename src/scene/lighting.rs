@@ -1,0 +1,55 @@
+//! Optical model and surface shading.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Optical model (Max 1995).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum OpticalModel {
+    /// Particles that emit and absorb: colour times opacity, composited front to back.
+    #[default]
+    EmissionAbsorption,
+}
+
+/// Surface shading from the field's gradient.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Shading {
+    /// None: the transfer function's colour (times ambient occlusion, if on).
+    #[default]
+    None,
+    /// Lambert: colour times `ambient + diffuse * |n . l|`, `n` the unit gradient. Where the gradient is
+    /// zero there is no surface and the colour is unchanged.
+    Diffuse,
+}
+
+/// Lighting.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Lighting {
+    /// Optical model.
+    pub model: OpticalModel,
+    /// Surface shading. Default none.
+    pub shading: Shading,
+    /// Unit-less direction from the scene towards the light, world space; absent: a headlight at the eye
+    /// (opposite to each ray's direction).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub direction: Option<[f64; 3]>,
+    /// Share of light that needs no surface orientation, >= 0. Default 0.3.
+    pub ambient: f64,
+    /// Share of light that follows Lambert's law, >= 0. Default 0.7.
+    pub diffuse: f64,
+}
+
+impl Default for Lighting {
+    fn default() -> Self {
+        Self {
+            model: OpticalModel::EmissionAbsorption,
+            shading: Shading::None,
+            direction: None,
+            ambient: 0.3,
+            diffuse: 0.7,
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! What to draw: the scene file, its parts and what they resolve to.
+//!
+//! Every struct here is both the scene file's JSON (unknown keys are errors) and the library's settings.
+
+mod ambient_occlusion;
+mod camera;
+mod color;
+mod directions;
+mod image;
+mod lighting;
+mod march;
+mod storage;
+mod transfer_function;
+
+pub use ambient_occlusion::AmbientOcclusion;
+pub use camera::{Camera, Projection, View};
+pub use color::{ColorManagement, linear_from_srgb, srgb_from_linear};
+pub use directions::{DirectionSet, directions};
+pub use image::Image;
+pub use lighting::{Lighting, OpticalModel, Shading};
+pub use march::{Classification, Interpolation, March};
+pub use storage::Storage;
+pub use transfer_function::{ControlPoint, Curve, CurvePoint, Optical, TransferFunction};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A whole scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// The data.
+    pub volume: VolumeSource,
+    /// From where. Default: automatic.
+    #[serde(default)]
+    pub camera: Camera,
+    /// Size and background of the picture.
+    #[serde(default)]
+    pub image: Image,
+    /// Value to colour, opacity and emission. Default: automatic for what the file holds.
+    #[serde(default)]
+    pub transfer_function: TransferFunction,
+    /// How rays are sampled.
+    #[serde(default)]
+    pub march: March,
+    /// Optical model and surface shading.
+    #[serde(default)]
+    pub lighting: Lighting,
+    /// Local ambient occlusion; `null` or absent: off.
+    #[serde(default)]
+    pub ambient_occlusion: Option<AmbientOcclusion>,
+    /// Levels of detail and memory.
+    #[serde(default)]
+    pub storage: Storage,
+}
+
+/// Where the voxels come from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VolumeSource {
+    /// File, relative to the scene file.
+    pub path: std::path::PathBuf,
+    /// Only for headerless files: what the header would have said.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub raw: Option<RawDescription>,
+}
+
+/// Describes a headerless file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawDescription {
+    /// Voxels on x, y, z; x is fastest in the file.
+    pub size: [u32; 3],
+    /// Voxel type.
+    #[serde(rename = "type")]
+    pub voxel_type: RawType,
+    /// Distance between voxels on x, y, z, mm. Default 1.
+    #[serde(default = "unit_spacing")]
+    pub spacing: [f64; 3],
+    /// Byte order. Default little.
+    #[serde(default)]
+    pub endian: Endian,
+    /// Bytes before the first voxel. Default 0.
+    #[serde(default)]
+    pub offset: u64,
+}
+
+fn unit_spacing() -> [f64; 3] {
+    [1.0; 3]
+}
+
+/// Voxel types of headerless files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum RawType {
+    /// Unsigned 8-bit.
+    U8,
+    /// Signed 8-bit.
+    I8,
+    /// Unsigned 16-bit.
+    U16,
+    /// Signed 16-bit.
+    I16,
+    /// 32-bit float.
+    F32,
+}
+
+/// Byte order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Endian {
+    /// Least significant byte first.
+    #[default]
+    Little,
+    /// Most significant byte first.
+    Big,
+}

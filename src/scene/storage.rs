@@ -1,0 +1,23 @@
+//! Levels of detail and memory.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How much of the volume is kept on the device.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Storage {
+    /// Voxels of the volume per voxel kept, >= 1; 1 keeps everything at the finest level. Default 1.
+    pub data_reduction: f64,
+    /// Device memory for voxels and light, MiB, > 0; binds where it is tighter than `data_reduction`. Default 1024.
+    pub memory_budget_mib: f64,
+}
+
+impl Default for Storage {
+    fn default() -> Self {
+        Self {
+            data_reduction: 1.0,
+            memory_budget_mib: 1024.0,
+        }
+    }
+}

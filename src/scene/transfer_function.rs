@@ -1,0 +1,111 @@
+//! Value to colour, opacity and emission.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::ColorManagement;
+
+/// One control point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ControlPoint {
+    /// In the file's own units (Hounsfield in CT).
+    pub value: f64,
+    /// Display colour, [0,1].
+    pub color: [f64; 3],
+    /// Opacity over `unit_distance`, [0,1].
+    pub opacity: f64,
+    /// Display colour of emitted light, >= 0; may exceed 1. Default none.
+    #[serde(default)]
+    pub emission: [f64; 3],
+}
+
+/// Piecewise linear between its points, constant outside.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct TransferFunction {
+    /// Length that opacities refer to, mm, > 0. Default 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit_distance: Option<f64>,
+    /// Control points, by value ascending; two of equal value make a jump.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub points: Option<Vec<ControlPoint>>,
+    /// A built-in function, in place of `points`. With neither, one is chosen for what the file holds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preset: Option<String>,
+}
+
+/// What the transfer function says of a value; colours linear (decoded).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Optical {
+    /// Linear colour.
+    pub color: [f64; 3],
+    /// Opacity over the unit distance.
+    pub opacity: f64,
+    /// Linear emitted colour.
+    pub emission: [f64; 3],
+}
+
+/// A control point with decoded colours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurvePoint {
+    /// In the file's own units.
+    pub value: f64,
+    /// What holds there.
+    pub optical: Optical,
+}
+
+/// A transfer function ready for use: checked, sorted, colours decoded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// Length that opacities refer to, mm.
+    pub unit_distance: f64,
+    /// At least one, by value ascending.
+    pub points: Vec<CurvePoint>,
+}
+
+impl Curve {
+    /// Decodes the colours of control points; they must be sorted by value and not empty.
+    pub fn new(unit_distance: f64, points: &[ControlPoint], colors: ColorManagement) -> Self {
+        Self {
+            unit_distance,
+            points: points
+                .iter()
+                .map(|p| CurvePoint {
+                    value: p.value,
+                    optical: Optical {
+                        color: colors.decode(p.color),
+                        opacity: p.opacity,
+                        emission: colors.decode(p.emission),
+                    },
+                })
+                .collect(),
+        }
+    }
+
+    /// The exact piecewise linear function. At a jump the right-hand side holds.
+    pub fn evaluate(&self, value: f64) -> Optical {
+        let above = self.points.partition_point(|p| p.value <= value);
+        let Some(hi) = self.points.get(above) else {
+            return self.points.last().map(|p| p.optical).unwrap_or_default();
+        };
+        let Some(lo) = above.checked_sub(1).map(|i| &self.points[i]) else {
+            return hi.optical;
+        };
+        let s = (value - lo.value) / (hi.value - lo.value);
+        let mix = |a: f64, b: f64| a + (b - a) * s;
+        let mix3 = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|i| mix(a[i], b[i]));
+        Optical {
+            color: mix3(lo.optical.color, hi.optical.color),
+            opacity: mix(lo.optical.opacity, hi.optical.opacity),
+            emission: mix3(lo.optical.emission, hi.optical.emission),
+        }
+    }
+
+    /// True when some point emits.
+    pub fn emits(&self) -> bool {
+        self.points
+            .iter()
+            .any(|p| p.optical.emission.iter().any(|&e| e > 0.0))
+    }
+}

@@ -1,0 +1,33 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_shader_image_load_formatted : require
+// The bench's limit: a march that only samples one texture and classifies, as many samples as the real march takes.
+
+#include "bindings.glsl"
+#include "structs.glsl"
+#include "volume.glsl"
+#include "classify.glsl"
+#include "ray.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(set = 0, binding = BINDING_FRAME) uniform FrameBlock { FrameParams frame; };
+layout(set = 0, binding = BINDING_VOXELS) uniform sampler3D t_voxels;
+layout(set = 0, binding = BINDING_TARGET) uniform writeonly image2D i_target;
+layout(push_constant) uniform Push { BarePush push; };
+
+void main() {
+    uvec2 px = push.tile_px + gl_GlobalInvocationID.xy;
+    if (any(greaterThanEqual(px, push.tile_end_px))) {
+        return;
+    }
+    Ray ray = ray_through(vec2(px) + 0.5, frame, volume.field_ix);
+    uint count = segment_count(ray, 0.0);
+    vec3 uvw = (ray.origin_ix + 0.5 * ray.step_ix + 0.5) * push.extent_texel;
+    vec3 step_uvw = ray.step_ix * push.extent_texel;
+    vec4 sum = vec4(0.0);
+    for (uint i = 0u; i < count; ++i) {
+        sum += classify(textureLod(t_voxels, uvw + float(i) * step_uvw, 0.0).r).color_opacity;
+    }
+    imageStore(i_target, ivec2(px), sum);
+}

@@ -1,0 +1,13 @@
+// Hashed random numbers: no state, the same on every device.
+
+// One round of PCG (Jarzynski & Olano 2020, "Hash functions for GPU rendering").
+uint pcg(uint v) {
+    uint state = v * 747796405u + 2891336453u;
+    uint word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
+    return (word >> 22u) ^ word;
+}
+
+// In [0, 1), from pixel, frame and seed.
+float random_pixel(uvec2 pixel, uint frame, uint seed) {
+    return float(pcg(pixel.x + pcg(pixel.y + pcg(frame + pcg(seed)))) >> 8) * (1.0 / 16777216.0);
+}

@@ -1,0 +1,56 @@
+// The field between samples. Includes volume.glsl first.
+
+layout(constant_id = SPEC_RECONSTRUCTION) const uint RECONSTRUCTION = 0u;
+layout(constant_id = SPEC_INTER_BLOCK) const bool INTER_BLOCK = true;
+
+const uint RECONSTRUCT_LINEAR = 0u;         // the texture unit's trilinear filter
+const uint RECONSTRUCT_LINEAR_MANUAL = 1u;  // eight fetches: formats that cannot be filtered
+const uint RECONSTRUCT_NEAREST = 2u;
+
+layout(set = 0, binding = BINDING_ATLAS) uniform sampler3D t_atlas;
+
+// Position in samples inside a brick, [0, intervals].
+// `precise` throughout: variants of a pass (skipping on or off, say) must compute the same bits.
+vec3 brick_local(Brick b, vec3 p_ix) {
+    precise vec3 local = (p_ix - b.base_ix) * b.scale;
+    local = clamp(local, vec3(0.0), b.intervals);
+    if (!INTER_BLOCK) {
+        // Each block by itself: the apron, which belongs to the next block, is not used. The last block of an axis has
+        // no next one and keeps its last sample.
+        bvec3 last = lessThanEqual(volume.field_ix, b.base_ix + float(BLOCK_CELLS));
+        local = min(local, mix(b.intervals - 1.0, b.intervals, vec3(last)));
+    }
+    return local;
+}
+
+float atlas_texel(ivec3 at) {
+    return texelFetch(t_atlas, at, 0).r;
+}
+
+float atlas_linear_manual(vec3 at) {
+    ivec3 i = ivec3(at);
+    vec3 f = at - vec3(i);
+    // A fraction of 0 must not read the next texel: it may be another brick's.
+    ivec3 j = i + ivec3(notEqual(f, vec3(0.0)));
+    float v00 = mix(atlas_texel(i), atlas_texel(ivec3(j.x, i.y, i.z)), f.x);
+    float v10 = mix(atlas_texel(ivec3(i.x, j.y, i.z)), atlas_texel(ivec3(j.x, j.y, i.z)), f.x);
+    float v01 = mix(atlas_texel(ivec3(i.x, i.y, j.z)), atlas_texel(ivec3(j.x, i.y, j.z)), f.x);
+    float v11 = mix(atlas_texel(ivec3(i.x, j.y, j.z)), atlas_texel(j), f.x);
+    return mix(mix(v00, v10, f.y), mix(v01, v11, f.y), f.z);
+}
+
+// Texture sample at a position inside a brick (`local` from brick_local).
+float reconstruct_local(Brick b, vec3 local) {
+    if (RECONSTRUCTION == RECONSTRUCT_NEAREST) {
+        return atlas_texel(ivec3(b.origin_at + floor(local + 0.5)));
+    }
+    if (RECONSTRUCTION == RECONSTRUCT_LINEAR_MANUAL) {
+        return atlas_linear_manual(b.origin_at + local);
+    }
+    precise vec3 uvw = (b.origin_at + local + 0.5) * volume.atlas_texel;
+    return textureLod(t_atlas, uvw, 0.0).r;
+}
+
+float reconstruct(Brick b, vec3 p_ix) {
+    return reconstruct_local(b, brick_local(b, p_ix));
+}

@@ -1,0 +1,94 @@
+// Structs that the host mirrors (src/shader/structs.rs), field by field. Nothing else.
+// Spaces: _ix voxel index, _at atlas texel, _ws world (mm). Lengths in steps unless the name says otherwise.
+
+// What stays the same while volume, transfer function and levels do.
+struct VolumeParams {
+    vec3 field_ix;          // largest index on each axis, n - 1
+    float bin_from_sample;  // transfer-function bins per unit of a texture sample
+    vec3 atlas_texel;       // 1 / extent of the atlas
+    float bin_offset;       // bin of a texture sample of 0
+    ivec3 blocks;           // blocks on each axis
+    float last_bin;         // number of bins of the transfer function - 1
+    ivec3 skip_extent;      // skip cells on each axis
+    float bins;             // number of bins of the transfer function
+    vec3 gradient_x_ws;     // world gradient of index x: columns of the inverse transpose of world_from_ix
+    float pad0;
+    vec3 gradient_y_ws;
+    float pad1;
+    vec3 gradient_z_ws;
+    float pad2;
+};
+
+// What changes with the camera. A ray through pixel (px, py) starts at origin + px origin_dx + py origin_dy and goes
+// along direction + px direction_dx + py direction_dy, whose length in world space is that of the _ws triple.
+struct FrameParams {
+    vec3 origin_ix;
+    float unit_exponent;      // step / unit distance of the transfer function
+    vec3 origin_dx_ix;
+    float early_termination;  // opacity at which a ray stops; above 1: never
+    vec3 origin_dy_ix;
+    float depth_threshold;    // opacity at which depth is taken
+    vec3 direction_ix;        // index units per step, before normalization
+    float step_mm;
+    vec3 direction_dx_ix;
+    float light_bias;         // added to the light volume
+    vec3 direction_dy_ix;
+    float ambient;
+    vec3 direction_ws;
+    float diffuse;
+    vec3 direction_dx_ws;
+    float scene_depth_far;    // depth value that means "nothing there"
+    vec3 direction_dy_ws;
+    uint jitter_seed;
+    vec4 background;          // linear, alpha 1: composited under the volume; alpha 0: left out
+    vec4 light_direction_ws;  // unit, towards the light; w = 0: headlight
+    vec4 ix_from_clip_x;      // rows of index from clip space, for the host's depth image
+    vec4 ix_from_clip_y;
+    vec4 ix_from_clip_z;
+    vec4 ix_from_clip_w;
+    uvec2 size_px;
+    uint frame;
+    uint pad0;
+};
+
+// Tile of one dispatch of the march.
+struct MarchPush {
+    uvec2 tile_px;      // first pixel
+    uvec2 tile_end_px;  // one past the last pixel
+};
+
+// One direction of the light pass.
+struct LightPush {
+    vec3 direction_ix;   // index units per mm
+    float offset_mm;
+    float radius_mm;
+    float step_mm;       // largest sample distance at the finest level
+    float exponent_mm;   // gamma / unit distance
+    float weight;
+    uint ray;            // rays already in the mean
+    uint first;          // first entry of the work list
+    uint count;          // entries of this dispatch
+    uint pad0;
+};
+
+// Part of the seam work list.
+struct SeamPush {
+    uint first;
+    uint count;
+};
+
+// Where a brick lies: the reverse index, atlas to volume.
+struct BrickRecord {
+    uvec3 origin_at;
+    uint level;
+    ivec3 block_bx;
+    uint pad0;
+};
+
+// The bare march of the bench.
+struct BarePush {
+    uvec2 tile_px;
+    uvec2 tile_end_px;
+    vec3 extent_texel;
+    float pad0;
+};

@@ -1,0 +1,38 @@
+// The bricked volume: index (block -> place in the atlas, level) and geometry of bricks.
+// Needs: BINDING_VOLUME, BINDING_INDEX declared by the pass through VOLUME_DECLARATIONS.
+
+layout(set = 0, binding = BINDING_VOLUME) uniform VolumeBlock { VolumeParams volume; };
+layout(set = 0, binding = BINDING_INDEX) uniform usampler3D t_index;
+
+const int BLOCK_CELLS = 16;    // voxel cells on an axis of a block
+const int SKIP_CELLS = 4;      // voxel cells on an axis of a skip cell
+const int FINEST_LEVEL = 4;
+
+// A resident brick. It covers the closed block and stores `intervals + 1` samples on each axis.
+struct Brick {
+    bool resident;
+    int level;
+    vec3 base_ix;        // first voxel of the block
+    vec3 cells;          // voxel cells the block covers on each axis
+    vec3 scale;          // sample intervals per voxel cell
+    vec3 intervals;      // sample intervals on each axis
+    vec3 origin_at;      // first texel
+};
+
+ivec3 block_of(vec3 p_ix) {
+    return min(ivec3(p_ix) / BLOCK_CELLS, volume.blocks - 1);
+}
+
+Brick brick_fetch(ivec3 block_bx) {
+    uvec4 entry = texelFetch(t_index, block_bx, 0);
+    Brick b;
+    b.resident = entry.w != 0u;
+    b.level = int(entry.w) - 1;
+    b.base_ix = vec3(block_bx * BLOCK_CELLS);
+    b.cells = min(vec3(BLOCK_CELLS), volume.field_ix - b.base_ix);
+    bool finest = b.level == FINEST_LEVEL;
+    b.intervals = finest ? b.cells : vec3(float(1 << max(b.level, 0)));
+    b.scale = finest ? vec3(1.0) : b.intervals / b.cells;
+    b.origin_at = vec3(entry.xyz);
+    return b;
+}

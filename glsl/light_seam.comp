@@ -1,0 +1,54 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Light on the borders of bricks: samples that another brick computes are copied from it, and samples on the border of a
+// coarser brick follow its interpolation, so that light is continuous. One dispatch a level, coarsest first.
+
+#include "bindings.glsl"
+#include "structs.glsl"
+#include "volume.glsl"
+#include "light_work.glsl"
+
+layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
+
+layout(set = 0, binding = BINDING_LIGHT_STORE, rgba16f) uniform image3D i_light;
+layout(push_constant) uniform Push { SeamPush push; };
+
+vec4 light_texel(vec3 origin_at, ivec3 local) {
+    return imageLoad(i_light, ivec3(origin_at) + local);
+}
+
+vec4 light_between(Brick b, vec3 p_ix) {
+    vec3 local = clamp((p_ix - b.base_ix) * b.scale, vec3(0.0), b.intervals);
+    ivec3 i = min(ivec3(local), ivec3(b.intervals) - 1);
+    vec3 f = local - vec3(i);
+    vec4 sum = vec4(0.0);
+    for (int corner = 0; corner < 8; ++corner) {
+        ivec3 bit = ivec3(corner & 1, (corner >> 1) & 1, corner >> 2);
+        vec3 w = mix(1.0 - f, f, vec3(bit));
+        float weight = w.x * w.y * w.z;
+        if (weight > 0.0) {
+            sum += weight * light_texel(b.origin_at, i + bit);
+        }
+    }
+    return sum;
+}
+
+void main() {
+    if (gl_WorkGroupID.x >= push.count) {
+        return;
+    }
+    LightSample s = light_sample(work[push.first + gl_WorkGroupID.x], gl_LocalInvocationID);
+    Brick brick = brick_of(s.record);
+    ivec3 last = ivec3(brick.intervals);
+    bool border = any(equal(s.local, ivec3(0))) || any(equal(s.local, last));
+    if (any(greaterThan(s.local, last)) || !border) {
+        return;
+    }
+    Sharing sharing = sharing_of(brick, s.record.block_bx, s.local);
+    bool coarser = sharing.coarsest_level < brick.level;
+    if (!coarser && sharing.owner_bx == s.record.block_bx) {
+        return;
+    }
+    Brick from = brick_fetch(coarser ? sharing.coarsest_bx : sharing.owner_bx);
+    imageStore(i_light, s.sample_at, light_between(from, sample_position_ix(brick, s.local)));
+}

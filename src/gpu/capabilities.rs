@@ -1,0 +1,154 @@
+//! What a device can do, and whether that is enough.
+
+use ash::vk;
+use serde::Serialize;
+
+use crate::error::{Error, Result};
+
+/// Vulkan version that is needed.
+pub(crate) const API_VERSION: u32 = vk::API_VERSION_1_2;
+
+/// What a host has to enable when it creates its instance and device.
+#[derive(Clone, Copy, Debug)]
+pub struct Requirements {
+    /// Lowest instance and device version.
+    pub api_version: u32,
+    /// Device extensions: none.
+    pub device_extensions: &'static [&'static std::ffi::CStr],
+    /// Core features; leave others as you like.
+    pub features: vk::PhysicalDeviceFeatures,
+}
+
+impl Requirements {
+    /// What the renderer needs.
+    pub fn new() -> Self {
+        Self {
+            api_version: API_VERSION,
+            device_extensions: &[],
+            features: vk::PhysicalDeviceFeatures::default()
+                .shader_storage_image_write_without_format(true),
+        }
+    }
+}
+
+impl Default for Requirements {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// One physical device, as listings show it.
+#[derive(Clone, Debug, Serialize)]
+pub struct DeviceInfo {
+    /// Place in the listing; `--device` takes it.
+    pub index: usize,
+    /// Name, as the driver gives it.
+    pub name: String,
+    /// Driver name and version.
+    pub driver: String,
+    /// "discrete", "integrated", "virtual", "cpu" or "other".
+    #[serde(rename = "type")]
+    pub device_type: String,
+    /// Vulkan version of the device.
+    pub api_version: String,
+    /// Memory of the largest device-local heap, MiB.
+    pub memory_mib: u64,
+    /// True when the renderer runs on it.
+    pub usable: bool,
+    /// What is missing where it does not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+}
+
+/// Limits and abilities of a device that the renderer chooses by.
+#[derive(Clone, Debug)]
+pub struct Capabilities {
+    /// Device name.
+    pub name: String,
+    /// Driver name and version.
+    pub driver: String,
+    /// Type of device, see [`DeviceInfo::device_type`].
+    pub device_type: &'static str,
+    /// Largest extent of a 3D image.
+    pub max_extent_3d: u32,
+    /// Largest extent of a 2D image.
+    pub max_extent_2d: u32,
+    /// Largest storage buffer, bytes.
+    pub max_storage_bytes: u64,
+    /// Most workgroups of a dispatch on x.
+    pub max_groups_x: u32,
+    /// Nanoseconds of a timestamp tick; `None` where the queue has no timestamps.
+    pub timestamp_ns: Option<f64>,
+    /// Bits of a timestamp that count.
+    pub timestamp_mask: u64,
+    /// Identifies driver and device to the pipeline cache.
+    pub cache_uuid: [u8; vk::UUID_SIZE],
+    /// PCI-style vendor and device ids.
+    pub ids: [u32; 2],
+    pub(crate) features: vk::PhysicalDeviceFeatures,
+}
+
+impl Capabilities {
+    /// Reads them.
+    ///
+    /// # Safety
+    /// `physical` belongs to `instance`, which is alive and of version 1.1 at least; `queue_family` exists.
+    pub(crate) unsafe fn query(
+        instance: &ash::Instance,
+        physical: vk::PhysicalDevice,
+        queue_family: u32,
+    ) -> Self {
+        let mut driver = vk::PhysicalDeviceDriverProperties::default();
+        let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
+        // SAFETY: by this function's contract.
+        let (families, features) = unsafe {
+            instance.get_physical_device_properties2(physical, &mut properties);
+            (
+                instance.get_physical_device_queue_family_properties(physical),
+                instance.get_physical_device_features(physical),
+            )
+        };
+        let properties = properties.properties;
+        let text = |chars: &[std::ffi::c_char]| {
+            let bytes: Vec<u8> =
+                chars.iter().take_while(|&&c| c != 0).map(|&c| c.to_ne_bytes()[0]).collect();
+            String::from_utf8_lossy(&bytes).into_owned()
+        };
+        let bits = families.get(queue_family as usize).map_or(0, |f| f.timestamp_valid_bits);
+        Self {
+            name: text(&properties.device_name),
+            driver: format!("{} {}", text(&driver.driver_name), text(&driver.driver_info)),
+            device_type: match properties.device_type {
+                vk::PhysicalDeviceType::DISCRETE_GPU => "discrete",
+                vk::PhysicalDeviceType::INTEGRATED_GPU => "integrated",
+                vk::PhysicalDeviceType::VIRTUAL_GPU => "virtual",
+                vk::PhysicalDeviceType::CPU => "cpu",
+                _ => "other",
+            },
+            max_extent_3d: properties.limits.max_image_dimension3_d,
+            max_extent_2d: properties.limits.max_image_dimension2_d,
+            max_storage_bytes: properties.limits.max_storage_buffer_range.into(),
+            max_groups_x: properties.limits.max_compute_work_group_count[0],
+            timestamp_ns: (bits > 0).then_some(f64::from(properties.limits.timestamp_period)),
+            timestamp_mask: if bits >= 64 { u64::MAX } else { (1 << bits) - 1 },
+            cache_uuid: properties.pipeline_cache_uuid,
+            ids: [properties.vendor_id, properties.device_id],
+            features,
+        }
+    }
+
+    /// What is missing for the renderer and what is there instead, `None` when nothing is.
+    pub(crate) fn missing(&self) -> Option<(String, String)> {
+        let writes = self.features.shader_storage_image_write_without_format != vk::FALSE;
+        (!writes).then(|| {
+            ("the feature shaderStorageImageWriteWithoutFormat".into(), "no such feature".into())
+        })
+    }
+
+    pub(crate) fn check(&self) -> Result<()> {
+        match self.missing() {
+            None => Ok(()),
+            Some((need, have)) => Err(Error::Unsupported { device: self.name.clone(), need, have }),
+        }
+    }
+}

@@ -29,7 +29,7 @@ impl Compiler {
     pub fn find() -> Result<Self> {
         let output = Command::new("glslc").arg("--version").output().context(
             "cannot run glslc: install it (Debian, Ubuntu: `apt-get install glslc`), \
-             or build the compiler from source with `cargo xtask --features shaderc shaders`",
+             or build the compiler from source with `cargo run -p xtask --features shaderc -- shaders`",
         )?;
         // Three lines: shaderc, spirv-tools and glslang, each with its version; then the default target.
         let text = String::from_utf8_lossy(&output.stdout);

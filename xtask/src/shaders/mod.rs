@@ -123,7 +123,7 @@ pub fn check(root: &Path) -> Result<String> {
         );
     }
     Ok(format!(
-        "{} modules up to date ({bytes} compared)",
+        "{} modules up to date (compared: {bytes})",
         shaders.len()
     ))
 }

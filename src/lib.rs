@@ -5,6 +5,8 @@ pub mod io;
 #[cfg(feature = "reference")]
 pub mod reference;
 pub mod scene;
+#[doc(hidden)] // reached by tests/shaders.rs; not part of the API
+pub mod shader;
 pub mod volume;
 
 pub use error::{Error, Result};

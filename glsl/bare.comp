@@ -5,7 +5,7 @@
 
 #include "bindings.glsl"
 #include "structs.glsl"
-#include "volume.glsl"
+#include "params.glsl"
 #include "classify.glsl"
 #include "ray.glsl"
 

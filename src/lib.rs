@@ -1,6 +1,8 @@
 //! Volume renderer on raw Vulkan compute.
 
 pub mod error;
+#[expect(dead_code, reason = "being written")]
+pub mod gpu;
 pub mod io;
 #[cfg(feature = "reference")]
 pub mod reference;

@@ -12,7 +12,7 @@ struct Classified {
 };
 
 Classified classify(float value) {
-    float x = clamp(value * volume.bin_from_sample + volume.bin_offset, 0.0, volume.bins);
+    float x = clamp((value - volume.first_sample) * volume.bin_from_sample + 1.0, 0.0, volume.bins);
     float bin = min(floor(x), volume.last_bin);
     float f = x - bin;
     int column = int(bin);

@@ -6,7 +6,7 @@ struct VolumeParams {
     vec3 field_ix;          // largest index on each axis, n - 1
     float bin_from_sample;  // transfer-function bins per unit of a texture sample
     vec3 atlas_texel;       // 1 / extent of the atlas
-    float bin_offset;       // bin of a texture sample of 0
+    float first_sample;     // texture sample at which bin 1 starts; bin 0 holds all below
     ivec3 blocks;           // blocks on each axis
     float last_bin;         // number of bins of the transfer function - 1
     ivec3 skip_extent;      // skip cells on each axis

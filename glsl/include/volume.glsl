@@ -1,7 +1,7 @@
 // The bricked volume: index (block -> place in the atlas, level) and geometry of bricks.
-// Needs: BINDING_VOLUME, BINDING_INDEX declared by the pass through VOLUME_DECLARATIONS.
 
-layout(set = 0, binding = BINDING_VOLUME) uniform VolumeBlock { VolumeParams volume; };
+#include "params.glsl"
+
 layout(set = 0, binding = BINDING_INDEX) uniform usampler3D t_index;
 
 const int BLOCK_CELLS = 16;    // voxel cells on an axis of a block

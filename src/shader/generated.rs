@@ -2,9 +2,106 @@
 //!
 //! Written by `cargo xtask shaders` from `glsl/`. Do not edit.
 
-use super::Module;
+use super::{Module, include_spirv};
+
+/// `spirv/bare.spv`.
+pub static BARE: Module = Module {
+    name: "bare",
+    words: include_spirv!("bare.spv"),
+};
+
+/// `spirv/light_seam.spv`.
+pub static LIGHT_SEAM: Module = Module {
+    name: "light_seam",
+    words: include_spirv!("light_seam.spv"),
+};
+
+/// `spirv/light_trace.spv`.
+pub static LIGHT_TRACE: Module = Module {
+    name: "light_trace",
+    words: include_spirv!("light_trace.spv"),
+};
+
+/// `spirv/march.spv`.
+pub static MARCH: Module = Module {
+    name: "march",
+    words: include_spirv!("march.spv"),
+};
+
+/// `spirv/march_blend_rgba16f.spv`.
+pub static MARCH_BLEND_RGBA16F: Module = Module {
+    name: "march_blend_rgba16f",
+    words: include_spirv!("march_blend_rgba16f.spv"),
+};
+
+/// `spirv/march_blend_rgba32f.spv`.
+pub static MARCH_BLEND_RGBA32F: Module = Module {
+    name: "march_blend_rgba32f",
+    words: include_spirv!("march_blend_rgba32f.spv"),
+};
+
+/// `spirv/march_blend_rgba8.spv`.
+pub static MARCH_BLEND_RGBA8: Module = Module {
+    name: "march_blend_rgba8",
+    words: include_spirv!("march_blend_rgba8.spv"),
+};
 
 /// Every module, by name.
 #[rustfmt::skip]
 pub static MODULES: &[&Module] = &[
+    &BARE,
+    &LIGHT_SEAM,
+    &LIGHT_TRACE,
+    &MARCH,
+    &MARCH_BLEND_RGBA16F,
+    &MARCH_BLEND_RGBA32F,
+    &MARCH_BLEND_RGBA8,
 ];
+
+pub const BINDING_VOLUME: u32 = 0;
+
+pub const BINDING_FRAME: u32 = 1;
+
+pub const BINDING_ATLAS: u32 = 2;
+
+pub const BINDING_INDEX: u32 = 3;
+
+pub const BINDING_SKIP: u32 = 4;
+
+pub const BINDING_TRANSFER: u32 = 5;
+
+pub const BINDING_LIGHT: u32 = 6;
+
+pub const BINDING_SCENE_DEPTH: u32 = 7;
+
+pub const BINDING_TARGET: u32 = 8;
+
+pub const BINDING_AUX: u32 = 9;
+
+pub const BINDING_BRICKS: u32 = 10;
+
+pub const BINDING_WORK: u32 = 11;
+
+pub const BINDING_LIGHT_STORE: u32 = 12;
+
+pub const BINDING_VOXELS: u32 = 13;
+
+pub const SPEC_RECONSTRUCTION: u32 = 0;
+
+pub const SPEC_INTER_BLOCK: u32 = 1;
+
+pub const SPEC_SKIPPING: u32 = 2;
+
+pub const SPEC_EMISSION: u32 = 3;
+
+pub const SPEC_LIGHT: u32 = 4;
+
+pub const SPEC_DIFFUSE: u32 = 5;
+
+pub const SPEC_JITTER: u32 = 6;
+
+pub const SPEC_AUX: u32 = 7;
+
+pub const SPEC_SCENE_DEPTH: u32 = 8;
+
+pub const SPEC_ENCODE_SRGB: u32 = 9;

@@ -1,7 +1,9 @@
 //! What each pass binds, declared once: pipeline layouts and descriptor sets are built from it, and
 //! `tests/shaders.rs` checks it against the SPIR-V.
 
-use super::{Module, StructLayout};
+use super::generated::{self, *};
+use super::structs::{BarePush, LightPush, MarchPush, SeamPush};
+use super::{GpuStruct, Module, StructLayout};
 
 /// The interface of one compute pass.
 #[derive(Clone, Copy, Debug)]
@@ -59,5 +61,132 @@ pub enum Access {
     ReadWrite,
 }
 
+const fn binding(binding: u32, kind: DescriptorKind, access: Access) -> Binding {
+    Binding { set: 0, binding, kind, access }
+}
+
+const fn uniform(number: u32) -> Binding {
+    binding(number, DescriptorKind::UniformBuffer, Access::Read)
+}
+
+const fn sampled(number: u32) -> Binding {
+    binding(number, DescriptorKind::CombinedImageSampler, Access::Read)
+}
+
+const fn storage_read(number: u32) -> Binding {
+    binding(number, DescriptorKind::StorageBuffer, Access::Read)
+}
+
+const fn storage_image(number: u32, access: Access) -> Binding {
+    binding(number, DescriptorKind::StorageImage, access)
+}
+
+const fn march(module: &'static Module, bindings: &'static [Binding]) -> PassInterface {
+    PassInterface {
+        module,
+        bindings,
+        push_constants: Some(MarchPush::LAYOUT),
+        spec_ids: &[
+            SPEC_RECONSTRUCTION,
+            SPEC_INTER_BLOCK,
+            SPEC_SKIPPING,
+            SPEC_EMISSION,
+            SPEC_LIGHT,
+            SPEC_DIFFUSE,
+            SPEC_JITTER,
+            SPEC_AUX,
+            SPEC_SCENE_DEPTH,
+            SPEC_ENCODE_SRGB,
+        ],
+        local_size: [8, 8, 1],
+    }
+}
+
+const fn march_bindings(target: Access) -> [Binding; 10] {
+    [
+        uniform(BINDING_VOLUME),
+        uniform(BINDING_FRAME),
+        sampled(BINDING_ATLAS),
+        sampled(BINDING_INDEX),
+        sampled(BINDING_SKIP),
+        sampled(BINDING_TRANSFER),
+        sampled(BINDING_LIGHT),
+        sampled(BINDING_SCENE_DEPTH),
+        storage_image(BINDING_TARGET, target),
+        storage_image(BINDING_AUX, Access::Write),
+    ]
+}
+
+const MARCH_BINDINGS: &[Binding] = &march_bindings(Access::Write);
+const MARCH_BLEND_BINDINGS: &[Binding] = &march_bindings(Access::ReadWrite);
+
+/// March into a target of any format.
+pub const MARCH: PassInterface = march(&generated::MARCH, MARCH_BINDINGS);
+/// March over what an `R8G8B8A8_UNORM` target holds.
+pub const MARCH_BLEND_RGBA8: PassInterface =
+    march(&generated::MARCH_BLEND_RGBA8, MARCH_BLEND_BINDINGS);
+/// March over what an `R16G16B16A16_SFLOAT` target holds.
+pub const MARCH_BLEND_RGBA16F: PassInterface =
+    march(&generated::MARCH_BLEND_RGBA16F, MARCH_BLEND_BINDINGS);
+/// March over what an `R32G32B32A32_SFLOAT` target holds.
+pub const MARCH_BLEND_RGBA32F: PassInterface =
+    march(&generated::MARCH_BLEND_RGBA32F, MARCH_BLEND_BINDINGS);
+
+/// One direction of local ambient occlusion.
+pub const LIGHT_TRACE: PassInterface = PassInterface {
+    module: &generated::LIGHT_TRACE,
+    bindings: &[
+        uniform(BINDING_VOLUME),
+        sampled(BINDING_ATLAS),
+        sampled(BINDING_INDEX),
+        sampled(BINDING_SKIP),
+        sampled(BINDING_TRANSFER),
+        storage_read(BINDING_BRICKS),
+        storage_read(BINDING_WORK),
+        storage_image(BINDING_LIGHT_STORE, Access::ReadWrite),
+    ],
+    push_constants: Some(LightPush::LAYOUT),
+    spec_ids: &[SPEC_RECONSTRUCTION, SPEC_INTER_BLOCK, SPEC_SKIPPING, SPEC_EMISSION],
+    local_size: [4, 4, 4],
+};
+
+/// Light on the borders of bricks.
+pub const LIGHT_SEAM: PassInterface = PassInterface {
+    module: &generated::LIGHT_SEAM,
+    bindings: &[
+        uniform(BINDING_VOLUME),
+        sampled(BINDING_INDEX),
+        storage_read(BINDING_BRICKS),
+        storage_read(BINDING_WORK),
+        storage_image(BINDING_LIGHT_STORE, Access::ReadWrite),
+    ],
+    push_constants: Some(SeamPush::LAYOUT),
+    spec_ids: &[],
+    local_size: [4, 4, 4],
+};
+
+/// The bench's bare march.
+pub const BARE: PassInterface = PassInterface {
+    module: &generated::BARE,
+    bindings: &[
+        uniform(BINDING_VOLUME),
+        uniform(BINDING_FRAME),
+        sampled(BINDING_TRANSFER),
+        storage_image(BINDING_TARGET, Access::Write),
+        sampled(BINDING_VOXELS),
+    ],
+    push_constants: Some(BarePush::LAYOUT),
+    spec_ids: &[SPEC_EMISSION],
+    local_size: [8, 8, 1],
+};
+
 /// Every pass. A module in `spirv/` that is missing here fails `tests/shaders.rs`.
-pub const PASSES: &[PassInterface] = &[];
+pub const PASSES: &[PassInterface] = &[
+    MARCH,
+    MARCH_BLEND_RGBA8,
+    MARCH_BLEND_RGBA16F,
+    MARCH_BLEND_RGBA32F,
+    LIGHT_TRACE,
+    LIGHT_SEAM,
+    BARE,
+];

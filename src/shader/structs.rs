@@ -1,6 +1,187 @@
 //! Host mirrors of the structs in `glsl/include/structs.glsl` and of the push constants.
+//!
+//! Spaces: `_ix` voxel index, `_at` atlas texel, `_ws` world (mm). Lengths in steps unless the name says otherwise.
 
-use super::StructLayout;
+use super::layout::gpu_struct;
+use super::{GpuStruct, StructLayout};
+
+gpu_struct! {
+    /// What stays the same while volume, transfer function and levels do.
+    pub struct VolumeParams {
+        /// Largest index on each axis, n - 1.
+        pub field_ix: [f32; 3],
+        /// Transfer-function bins per unit of a texture sample.
+        pub bin_from_sample: f32,
+        /// 1 / extent of the atlas.
+        pub atlas_texel: [f32; 3],
+        /// Texture sample at which bin 1 starts; bin 0 holds all below.
+        pub first_sample: f32,
+        /// Blocks on each axis.
+        pub blocks: [i32; 3],
+        /// Number of bins of the transfer function - 1.
+        pub last_bin: f32,
+        /// Skip cells on each axis.
+        pub skip_extent: [i32; 3],
+        /// Number of bins of the transfer function.
+        pub bins: f32,
+        /// World gradient of index x: columns of the inverse transpose of `world_from_ix`.
+        pub gradient_x_ws: [f32; 3],
+        /// Unused.
+        pub pad0: f32,
+        /// World gradient of index y.
+        pub gradient_y_ws: [f32; 3],
+        /// Unused.
+        pub pad1: f32,
+        /// World gradient of index z.
+        pub gradient_z_ws: [f32; 3],
+        /// Unused.
+        pub pad2: f32,
+    }
+}
+
+gpu_struct! {
+    /// What changes with the camera. A ray through pixel `(px, py)` starts at `origin + px origin_dx + py origin_dy` and
+    /// goes along `direction + px direction_dx + py direction_dy`, whose length in world space is that of the `_ws`
+    /// triple.
+    pub struct FrameParams {
+        /// Ray origin at pixel (0,0).
+        pub origin_ix: [f32; 3],
+        /// Step / unit distance of the transfer function.
+        pub unit_exponent: f32,
+        /// Change of the origin a pixel to the right.
+        pub origin_dx_ix: [f32; 3],
+        /// Opacity at which a ray stops; above 1: never.
+        pub early_termination: f32,
+        /// Change of the origin a pixel down.
+        pub origin_dy_ix: [f32; 3],
+        /// Opacity at which depth is taken.
+        pub depth_threshold: f32,
+        /// Index units per step, before normalization.
+        pub direction_ix: [f32; 3],
+        /// Length of a step, mm.
+        pub step_mm: f32,
+        /// Change of the direction a pixel to the right.
+        pub direction_dx_ix: [f32; 3],
+        /// Added to the light volume.
+        pub light_bias: f32,
+        /// Change of the direction a pixel down.
+        pub direction_dy_ix: [f32; 3],
+        /// Share of light without orientation.
+        pub ambient: f32,
+        /// World direction at pixel (0,0), before normalization.
+        pub direction_ws: [f32; 3],
+        /// Share of light by Lambert's law.
+        pub diffuse: f32,
+        /// Change of the world direction a pixel to the right.
+        pub direction_dx_ws: [f32; 3],
+        /// Depth value that means "nothing there".
+        pub scene_depth_far: f32,
+        /// Change of the world direction a pixel down.
+        pub direction_dy_ws: [f32; 3],
+        /// Seed of the jitter.
+        pub jitter_seed: u32,
+        /// Linear; alpha 1: composited under the volume, alpha 0 (and black): left out.
+        pub background: [f32; 4],
+        /// Unit, towards the light; w = 0: headlight.
+        pub light_direction_ws: [f32; 4],
+        /// Rows of index from clip space, for the host's depth image.
+        pub ix_from_clip_x: [f32; 4],
+        /// See `ix_from_clip_x`.
+        pub ix_from_clip_y: [f32; 4],
+        /// See `ix_from_clip_x`.
+        pub ix_from_clip_z: [f32; 4],
+        /// See `ix_from_clip_x`.
+        pub ix_from_clip_w: [f32; 4],
+        /// Width and height of the target.
+        pub size_px: [u32; 2],
+        /// Number of the picture, for the jitter.
+        pub frame: u32,
+        /// Unused.
+        pub pad0: u32,
+    }
+}
+
+gpu_struct! {
+    /// Tile of one dispatch of the march.
+    pub struct MarchPush {
+        /// First pixel.
+        pub tile_px: [u32; 2],
+        /// One past the last pixel.
+        pub tile_end_px: [u32; 2],
+    }
+}
+
+gpu_struct! {
+    /// One direction of the light pass.
+    pub struct LightPush {
+        /// Index units per mm.
+        pub direction_ix: [f32; 3],
+        /// Where rays start.
+        pub offset_mm: f32,
+        /// Where rays end.
+        pub radius_mm: f32,
+        /// Largest sample distance at the finest level.
+        pub step_mm: f32,
+        /// Gamma / unit distance.
+        pub exponent_mm: f32,
+        /// Weight of the direction.
+        pub weight: f32,
+        /// Rays already in the mean.
+        pub ray: u32,
+        /// First entry of the work list.
+        pub first: u32,
+        /// Entries of this dispatch.
+        pub count: u32,
+        /// Unused.
+        pub pad0: u32,
+    }
+}
+
+gpu_struct! {
+    /// Part of the seam work list.
+    pub struct SeamPush {
+        /// First entry.
+        pub first: u32,
+        /// Entries of this dispatch.
+        pub count: u32,
+    }
+}
+
+gpu_struct! {
+    /// Where a brick lies: the reverse index, atlas to volume.
+    pub struct BrickRecord {
+        /// First texel of the brick in the atlas.
+        pub origin_at: [u32; 3],
+        /// Level of the brick.
+        pub level: u32,
+        /// The block it holds.
+        pub block_bx: [i32; 3],
+        /// Unused.
+        pub pad0: u32,
+    }
+}
+
+gpu_struct! {
+    /// The bare march of the bench.
+    pub struct BarePush {
+        /// First pixel.
+        pub tile_px: [u32; 2],
+        /// One past the last pixel.
+        pub tile_end_px: [u32; 2],
+        /// 1 / extent of the texture.
+        pub extent_texel: [f32; 3],
+        /// Unused.
+        pub pad0: f32,
+    }
+}
 
 /// Every mirror. A GLSL struct that the host fills or reads and that is missing here fails `tests/shaders.rs`.
-pub const ALL: &[StructLayout] = &[];
+pub const ALL: &[StructLayout] = &[
+    VolumeParams::LAYOUT,
+    FrameParams::LAYOUT,
+    MarchPush::LAYOUT,
+    LightPush::LAYOUT,
+    SeamPush::LAYOUT,
+    BrickRecord::LAYOUT,
+    BarePush::LAYOUT,
+];

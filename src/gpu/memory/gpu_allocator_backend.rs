@@ -23,12 +23,9 @@ impl GpuAllocatorBackend {
             instance,
             device,
             physical_device,
-            debug_settings: gpu_allocator::AllocatorDebugSettings {
-                log_leaks_on_shutdown: true,
-                ..Default::default()
-            },
+            debug_settings: Default::default(),
             buffer_device_address: false,
-            allocation_sizes: gpu_allocator::AllocationSizes::default(),
+            allocation_sizes: Default::default(),
         })
         .map_err(|e| e.to_string())?;
         Ok(Self::shared(Arc::new(Mutex::new(allocator))))

@@ -4,7 +4,7 @@ use std::ptr::NonNull;
 use std::sync::Arc;
 
 use ash::vk;
-use vk_mem::{Allocation, AllocationCreateFlags, AllocationCreateInfo, Allocator, MemoryUsage};
+use vk_mem::{Alloc as _, Allocation, AllocationCreateFlags, AllocationCreateInfo, Allocator, MemoryUsage};
 
 use super::{MappedPointer, MemoryBackend, MemoryBlock, MemoryLocation, MemoryRequest};
 

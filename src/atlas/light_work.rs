@@ -1,0 +1,194 @@
+//! Which samples of the light volume are computed, and by whom.
+//!
+//! Light is needed where the march can see it: at samples whose reconstruction reaches a visible skip cell. Groups of 4^3
+//! samples are the unit of work; the list of groups with the table of bricks is the reverse index, atlas to volume, of
+//! Hernell et al. (there a texture with one texel for 4^3 voxels of the atlas). Differs from the paper: bricks of 1^3 and
+//! 2^3 voxels take part where they can be seen.
+
+use rayon::prelude::*;
+
+use crate::shader::structs::BrickRecord;
+use crate::volume::blocks::{BLOCK_CELLS, BlockGrid, LEVELS};
+use crate::volume::cells::SKIP_CELLS;
+
+use super::residency::Residency;
+
+/// Samples of a group on each axis.
+pub(crate) const GROUP: u32 = 4;
+
+/// Index into the table of bricks; group inside the brick, 8 bits an axis.
+pub(crate) type WorkEntry = [u32; 2];
+
+/// Work lists of the light passes.
+pub(crate) struct LightWork {
+    /// Bricks that the lists refer to.
+    pub(crate) bricks: Vec<BrickRecord>,
+    /// Linear block index of each brick.
+    pub(crate) blocks: Vec<usize>,
+    /// Groups to trace.
+    pub(crate) trace: Vec<WorkEntry>,
+    /// Groups with samples that other bricks compute or constrain, and the range of each level, coarsest first.
+    pub(crate) seam: Vec<WorkEntry>,
+    /// First entry of each level in `seam`, and the end.
+    pub(crate) seam_levels: [usize; LEVELS + 1],
+}
+
+/// The groups of one brick.
+struct BrickWork {
+    block: usize,
+    level: u8,
+    trace: Vec<u32>,
+    seam: Vec<u32>,
+}
+
+impl LightWork {
+    /// `occupancy` tells for each skip cell, x fastest, whether it is visible (not 0).
+    pub(crate) fn new(
+        grid: &BlockGrid,
+        residency: &Residency,
+        counts: [u32; 3],
+        occupancy: &[u8],
+    ) -> Self {
+        let finder = GroupFinder { grid, residency, counts, occupancy };
+        let work: Vec<BrickWork> =
+            (0..grid.len()).into_par_iter().filter_map(|block| finder.brick(block)).collect();
+        let mut lists = Self {
+            bricks: Vec::with_capacity(work.len()),
+            blocks: Vec::with_capacity(work.len()),
+            trace: Vec::new(),
+            seam: Vec::new(),
+            seam_levels: [0; LEVELS + 1],
+        };
+        for (index, w) in work.iter().enumerate() {
+            let Some(origin_at) = residency.layout.origins()[w.block] else { continue };
+            lists.bricks.push(BrickRecord {
+                origin_at,
+                level: w.level.into(),
+                block_bx: grid.position(w.block).map(|b| b as i32),
+                pad0: 0,
+            });
+            lists.blocks.push(w.block);
+            lists.trace.extend(w.trace.iter().map(|&group| [index as u32, group]));
+        }
+        for level in 0..LEVELS {
+            for (index, w) in work.iter().enumerate().filter(|(_, w)| usize::from(w.level) == level) {
+                lists.seam.extend(w.seam.iter().map(|&group| [index as u32, group]));
+            }
+            lists.seam_levels[level + 1] = lists.seam.len();
+        }
+        lists
+    }
+
+    /// Group coordinates of an entry.
+    pub(crate) fn group(packed: u32) -> [u32; 3] {
+        [packed & 255, (packed >> 8) & 255, packed >> 16]
+    }
+}
+
+struct GroupFinder<'a> {
+    grid: &'a BlockGrid,
+    residency: &'a Residency,
+    counts: [u32; 3],
+    occupancy: &'a [u8],
+}
+
+impl GroupFinder<'_> {
+    fn level(&self, block: usize) -> Option<u8> {
+        self.residency.selection.levels.by_block[block]
+    }
+
+    /// The groups of a brick that are needed; `None` when there is none.
+    fn brick(&self, block: usize) -> Option<BrickWork> {
+        let level = self.level(block)?;
+        let intervals = self.grid.intervals(block, level);
+        let around = self.neighbors(block, level);
+        let mut work = BrickWork { block, level, trace: Vec::new(), seam: Vec::new() };
+        let groups = intervals.map(|n| n / GROUP + 1);
+        for z in 0..groups[2] {
+            for y in 0..groups[1] {
+                for x in 0..groups[0] {
+                    let group = [x, y, z];
+                    if !self.needed(block, intervals, group) {
+                        continue;
+                    }
+                    let packed = x | y << 8 | z << 16;
+                    // A group that holds nothing but the last sample of an axis is computed by the next brick of that
+                    // axis, or follows it.
+                    let computed_elsewhere = (0..3)
+                        .any(|a| group[a] * GROUP == intervals[a] && around.next_not_finer[a]);
+                    if !computed_elsewhere {
+                        work.trace.push(packed);
+                    }
+                    let reaches_end = (0..3).any(|a| group[a] * GROUP + GROUP > intervals[a]);
+                    let on_border = reaches_end || group.contains(&0);
+                    if (reaches_end && around.any) || (on_border && around.any_coarser) {
+                        work.seam.push(packed);
+                    }
+                }
+            }
+        }
+        (!work.trace.is_empty() || !work.seam.is_empty()).then_some(work)
+    }
+
+    fn neighbors(&self, block: usize, level: u8) -> Around {
+        let mut around = Around::default();
+        for z in -1..=1 {
+            for y in -1..=1 {
+                for x in -1..=1 {
+                    let step = [x, y, z];
+                    if step == [0; 3] {
+                        continue;
+                    }
+                    let Some(there) = self.grid.neighbor(block, step).and_then(|b| self.level(b))
+                    else {
+                        continue;
+                    };
+                    around.any = true;
+                    around.any_coarser |= there < level;
+                    for axis in 0..3 {
+                        let mut next = [0; 3];
+                        next[axis] = 1;
+                        around.next_not_finer[axis] |= step == next && there <= level;
+                    }
+                }
+            }
+        }
+        around
+    }
+
+    /// True when a visible skip cell lies where the samples of a group have weight.
+    fn needed(&self, block: usize, intervals: [u32; 3], group: [u32; 3]) -> bool {
+        let base = self.grid.origin_ix(block);
+        let cells = self.grid.cells(block);
+        let ranges: [std::ops::Range<u32>; 3] = std::array::from_fn(|a| {
+            let stride = f64::from(cells[a]) / f64::from(intervals[a]);
+            let first = f64::from(group[a] * GROUP) - 1.0;
+            let last = f64::from((group[a] * GROUP + GROUP - 1).min(intervals[a])) + 1.0;
+            let at = |sample: f64| (f64::from(base[a]) + sample * stride) / f64::from(SKIP_CELLS);
+            // Rounding of the stride must not lose a cell.
+            let low = (at(first) - 1e-9).floor().max(0.0) as u32;
+            let high = (at(last) + 1e-9).ceil() as u32;
+            low..high.min(self.counts[a])
+        });
+        let [width, height, _] = self.counts.map(|n| n as usize);
+        ranges[2].clone().any(|z| {
+            ranges[1].clone().any(|y| {
+                let row = width * (y as usize + height * z as usize);
+                self.occupancy[row + ranges[0].start as usize..row + ranges[0].end as usize]
+                    .iter()
+                    .any(|&o| o != 0)
+            })
+        })
+    }
+}
+
+/// The resident blocks around one.
+#[derive(Default)]
+struct Around {
+    any: bool,
+    any_coarser: bool,
+    /// The next block of each axis is resident and as coarse as this one or coarser.
+    next_not_finer: [bool; 3],
+}
+
+const _: () = assert!(BLOCK_CELLS / GROUP < 256, "a group coordinate fits 8 bits");

@@ -1,0 +1,18 @@
+//! The volume on the device: transfer-function table, resident bricks, skip cells, light, and what has to be uploaded when.
+//!
+//! Three things change at different times, and each has a type: [`store::Store`] with the data, [`residency::Residency`] with
+//! the choice of levels, [`visibility::Visibility`] with the transfer function. [`images::Images`] holds their device side.
+
+mod images;
+mod light_work;
+mod residency;
+mod transfer_table;
+mod upload;
+mod visibility;
+
+pub(crate) use images::Images;
+pub(crate) use light_work::LightWork;
+pub(crate) use residency::{Residency, Store};
+pub(crate) use transfer_table::{SampleScale, TransferTable};
+pub(crate) use upload::Uploads;
+pub(crate) use visibility::Visibility;

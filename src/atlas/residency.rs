@@ -1,0 +1,68 @@
+//! Which bricks are on the device, at which level and where.
+
+use std::sync::Arc;
+
+use crate::error::Result;
+use crate::scene;
+use crate::volume::Volume;
+use crate::volume::blocks::BlockGrid;
+use crate::volume::bricks::BrickBuilder;
+use crate::volume::cells::CellGrid;
+use crate::volume::layout::AtlasLayout;
+use crate::volume::select::{Request, Selection, select};
+use crate::volume::statistics::BlockStatistics;
+
+use super::TransferTable;
+
+/// A volume and the statistics of its blocks; made once for each volume.
+pub(crate) struct Store {
+    pub(crate) volume: Arc<Volume>,
+    pub(crate) statistics: BlockStatistics,
+}
+
+impl Store {
+    pub(crate) fn new(volume: Arc<Volume>) -> Result<Self> {
+        let statistics = BlockStatistics::of(&volume)?;
+        Ok(Self { volume, statistics })
+    }
+
+    pub(crate) fn grid(&self) -> &BlockGrid {
+        self.statistics.grid()
+    }
+}
+
+/// A choice of levels with the atlas layout and the value ranges of skip cells that follow from it.
+pub(crate) struct Residency {
+    pub(crate) selection: Selection,
+    pub(crate) layout: AtlasLayout,
+    pub(crate) cells: CellGrid,
+}
+
+impl Residency {
+    /// Chooses levels for a transfer function.
+    pub(crate) fn select(
+        store: &Store,
+        table: &TransferTable,
+        storage: &scene::Storage,
+        light_texel_bytes: u32,
+    ) -> Result<Selection> {
+        let voxel_bytes = store.volume.voxels().voxel_type().bytes() as u32;
+        select(
+            &store.statistics,
+            table,
+            &Request {
+                data_reduction: storage.data_reduction,
+                max_bytes: (storage.memory_budget_mib * 1024.0 * 1024.0) as u64,
+                bytes_per_texel: voxel_bytes + light_texel_bytes,
+            },
+        )
+    }
+
+    /// Lays out the bricks of a selection.
+    pub(crate) fn new(store: &Store, selection: Selection, max_extent_3d: u32) -> Result<Self> {
+        let layout = AtlasLayout::plan(store.grid(), &selection.levels, max_extent_3d)?;
+        let bricks = BrickBuilder::new(&store.volume, store.grid(), &selection.levels)?;
+        let cells = CellGrid::new(&bricks, store.volume.rescale());
+        Ok(Self { selection, layout, cells })
+    }
+}

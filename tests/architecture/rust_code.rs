@@ -1,7 +1,7 @@
 //! Just enough of Rust's lexical structure to find code among comments and literals.
 
 /// Source without comments, strings and character literals.
-pub fn code_of(source: &str) -> String {
+pub(crate) fn code_of(source: &str) -> String {
     let mut code = String::with_capacity(source.len());
     let mut rest = source;
     while let Some(next) = rest.chars().next() {

@@ -8,10 +8,10 @@ use umbravox::shader::{Access, Binding, DescriptorKind, StructLayout};
 
 /// Name, and fields as (name, offset, size); bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Layout {
-    pub name: String,
-    pub size: usize,
-    pub fields: Vec<(String, usize, usize)>,
+pub(crate) struct Layout {
+    pub(crate) name: String,
+    pub(crate) size: usize,
+    pub(crate) fields: Vec<(String, usize, usize)>,
 }
 
 impl From<&StructLayout> for Layout {
@@ -35,23 +35,23 @@ impl fmt::Display for Layout {
 
 /// The interface of one module.
 #[derive(Debug)]
-pub struct Reflection {
-    pub name: String,
+pub(crate) struct Reflection {
+    pub(crate) name: String,
     /// Structs in uniform and storage buffers, the buffer blocks themselves included where they hold more than
     /// one member.
-    pub structs: Vec<Layout>,
-    pub push_constants: Option<Layout>,
+    pub(crate) structs: Vec<Layout>,
+    pub(crate) push_constants: Option<Layout>,
     /// By set and binding.
-    pub bindings: Vec<Binding>,
+    pub(crate) bindings: Vec<Binding>,
     /// Ascending.
-    pub spec_ids: Vec<u32>,
-    pub local_size: [u32; 3],
+    pub(crate) spec_ids: Vec<u32>,
+    pub(crate) local_size: [u32; 3],
     /// What could not be read.
-    pub complaints: Vec<String>,
+    pub(crate) complaints: Vec<String>,
 }
 
 impl Reflection {
-    pub fn new(name: &str, words: &[u32]) -> Self {
+    pub(crate) fn new(name: &str, words: &[u32]) -> Self {
         let entry_points = ReflectConfig::new()
             .spv(words.to_vec())
             .reflect()

@@ -1,0 +1,28 @@
+# The targets are thin: without make, run the scripts.
+
+.PHONY: help demo test figures bench shaders
+
+help:
+	@echo 'make demo      render the CT in data/ into out/'
+	@echo 'make test      run every test'
+	@echo 'make figures   render examples/figures/ into docs/figures/'
+	@echo 'make bench     measure on this machine'
+	@echo 'make shaders   compile glsl/ into spirv/ (needs glslc)'
+	@echo
+	@echo 'demo, test, figures and bench first install what is missing (apt-get, as root or with sudo).'
+
+demo:
+	@scripts/demo.sh
+
+test:
+	@scripts/test.sh
+
+figures:
+	@scripts/figures.sh
+
+bench:
+	@scripts/setup.sh run
+	cargo bench
+
+shaders:
+	cargo xtask shaders

@@ -4,6 +4,10 @@
 //! axis, and nothing is sampled outside. Index space (`_ix`) counts voxels: voxel `(i,j,k)` sits at `(i,j,k)`.
 //! World space (`_ws`) is patient/physical space in millimetres, LPS.
 
+mod summary;
+
+pub use summary::{HISTOGRAM_BINS, Histogram, Percentiles, Summary};
+
 use glam::{DAffine3, DVec3};
 
 use crate::error::{Error, Result};
@@ -170,8 +174,10 @@ impl Volume {
             ));
         }
         let det = world_from_ix.matrix3.determinant();
-        if !(world_from_ix.is_finite() && det.is_finite() && det != 0.0)
-            || !world_from_ix.inverse().is_finite()
+        if !(world_from_ix.is_finite()
+            && det.is_finite()
+            && det != 0.0
+            && world_from_ix.inverse().is_finite())
         {
             return Err(Error::invalid(
                 "volume placement",

@@ -1,0 +1,59 @@
+//! Number types of voxels in files.
+
+use bytemuck::Pod;
+
+/// Type of a stored voxel. Those wider than a [`Volume`](crate::volume::Volume) holds are narrowed exactly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Element {
+    U8,
+    I8,
+    U16,
+    I16,
+    U32,
+    I32,
+    U64,
+    I64,
+    F32,
+    F64,
+}
+
+impl Element {
+    /// Bytes per voxel in the file.
+    pub(super) const fn bytes(self) -> u64 {
+        match self {
+            Self::U8 | Self::I8 => 1,
+            Self::U16 | Self::I16 => 2,
+            Self::U32 | Self::I32 | Self::F32 => 4,
+            Self::U64 | Self::I64 | Self::F64 => 8,
+        }
+    }
+}
+
+/// A number as it lies in a file.
+pub(super) trait Stored: Pod {
+    /// With its bytes in the other order.
+    fn swapped(self) -> Self;
+}
+
+macro_rules! stored_integer {
+    ($($t:ty)*) => {$(
+        impl Stored for $t {
+            fn swapped(self) -> Self {
+                self.swap_bytes()
+            }
+        }
+    )*};
+}
+stored_integer!(u8 i8 u16 i16 u32 i32 u64 i64);
+
+impl Stored for f32 {
+    fn swapped(self) -> Self {
+        Self::from_bits(self.to_bits().swap_bytes())
+    }
+}
+
+impl Stored for f64 {
+    fn swapped(self) -> Self {
+        Self::from_bits(self.to_bits().swap_bytes())
+    }
+}

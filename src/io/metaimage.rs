@@ -1,0 +1,262 @@
+//! MetaImage: header with the data attached (.mha) or beside it (.mhd).
+//!
+//! Format: Kitware, *MetaIO*, <https://itk.org/Wiki/ITK/MetaIO/Documentation>, as ITK reads it: world space is
+//! LPS, and each row of numbers in `TransformMatrix` is the direction of one index axis.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use glam::{DAffine3, DVec3};
+
+use super::element::Element;
+use super::grid::{self, Grid};
+use super::payload::{Coding, Payload};
+use super::source::Source;
+use super::{Format, ReadOptions, detached, text};
+use crate::error::{Error, Result};
+use crate::scene::Endian;
+use crate::volume::{Rescale, Volume};
+
+pub(super) const FORMAT: Format = Format {
+    name: "MetaImage",
+    extensions: &["mha", "mhd"],
+    recognise,
+    read,
+};
+
+const TYPES: &[(&str, Element)] = &[
+    ("MET_UCHAR", Element::U8),
+    ("MET_CHAR", Element::I8),
+    ("MET_USHORT", Element::U16),
+    ("MET_SHORT", Element::I16),
+    ("MET_UINT", Element::U32),
+    ("MET_INT", Element::I32),
+    ("MET_ULONG", Element::U32),
+    ("MET_LONG", Element::I32),
+    ("MET_ULONG_LONG", Element::U64),
+    ("MET_LONG_LONG", Element::I64),
+    ("MET_FLOAT", Element::F32),
+    ("MET_DOUBLE", Element::F64),
+];
+
+const BOOLEANS: &[(&str, bool)] = &[
+    ("True", true),
+    ("False", false),
+    ("T", true),
+    ("F", false),
+    ("Yes", true),
+    ("No", false),
+    ("1", true),
+    ("0", false),
+];
+
+/// Keys that are other names of one value; the first that is there counts.
+const DIRECTION_KEYS: &[&str] = &["TransformMatrix", "Rotation", "Orientation"];
+const ORIGIN_KEYS: &[&str] = &["Offset", "Position", "Origin"];
+const SPACING_KEYS: &[&str] = &["ElementSpacing", "ElementSize"];
+const ORDER_KEYS: &[&str] = &["BinaryDataByteOrderMSB", "ElementByteOrderMSB"];
+/// The last key of a header.
+const DATA_FILE: &str = "ElementDataFile";
+
+/// Text of `key = value` lines that has a number of dimensions.
+fn recognise(head: &[u8], _: &Path) -> bool {
+    let text = String::from_utf8_lossy(head);
+    let mut keys = text
+        .lines()
+        .map_while(|line| line.split_once('=').map(|(key, _)| key.trim()));
+    keys.any(|key| key == "NDims")
+}
+
+struct Header {
+    path: PathBuf,
+    values: BTreeMap<String, String>,
+    dimension: usize,
+}
+
+impl Header {
+    /// Reads up to and with the line that names the data file.
+    fn read(source: &mut Source, max_bytes: u64) -> Result<Self> {
+        let mut header = Self {
+            path: source.path().to_path_buf(),
+            values: BTreeMap::new(),
+            dimension: 0,
+        };
+        let mut budget = max_bytes;
+        while !header.values.contains_key(DATA_FILE) {
+            let Some(line) = source.line(&mut budget)? else {
+                return Err(header.bad(format!("{DATA_FILE} is missing; it ends the header")));
+            };
+            let Some((key, value)) = line.split_once('=') else {
+                return Err(header.bad(format!("line {line:?} is not of the form key = value")));
+            };
+            let (key, value) = (key.trim().to_owned(), value.trim().to_owned());
+            if let Some(earlier) = header.values.insert(key.clone(), value) {
+                return Err(header.bad(format!("{key} is given twice, first as {earlier:?}")));
+            }
+        }
+        let dimension = header.required("NDims")?;
+        header.dimension = dimension
+            .parse()
+            .ok()
+            .filter(|n| (1..=10).contains(n))
+            .ok_or_else(|| {
+                header.bad(format!(
+                    "NDims {dimension:?}: a number of axes from 1 to 10 is valid"
+                ))
+            })?;
+        Ok(header)
+    }
+
+    fn get(&self, key: &str) -> Option<&str> {
+        self.values.get(key).map(String::as_str)
+    }
+
+    fn required(&self, key: &str) -> Result<&str> {
+        self.get(key)
+            .ok_or_else(|| self.bad(format!("{key} is missing")))
+    }
+
+    fn flag(&self, key: &str) -> Result<bool> {
+        match self.get(key) {
+            Some(value) => text::one_of(&self.path, key, value, BOOLEANS),
+            None => Ok(false),
+        }
+    }
+
+    /// The value under the first of some keys that is there, as `count` numbers.
+    fn floats(&self, keys: &[&str], count: usize) -> Result<Option<Vec<f64>>> {
+        let found = keys.iter().find_map(|key| Some((key, self.get(key)?)));
+        found
+            .map(|(key, value)| text::floats(&self.path, key, value, count))
+            .transpose()
+    }
+
+    /// One number, with its default.
+    fn float(&self, key: &str, default: f64) -> Result<f64> {
+        let all = self.floats(&[key], 1)?;
+        Ok(all.and_then(|v| v.first().copied()).unwrap_or(default))
+    }
+
+    fn bad(&self, message: String) -> Error {
+        Error::volume(&self.path, message)
+    }
+}
+
+fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
+    let mut source = Source::open(path)?;
+    let header = Header::read(&mut source, options.limits.max_header_bytes)?;
+    if let Some(kind) = header.get("ObjectType") {
+        text::one_of(path, "ObjectType", kind, &[("Image", ())])?;
+    }
+    if let Some(channels) = header.get("ElementNumberOfChannels") {
+        text::one_of(
+            path,
+            "ElementNumberOfChannels (of a scalar volume)",
+            channels,
+            &[("1", ())],
+        )?;
+    }
+    let element = text::one_of(path, "ElementType", header.required("ElementType")?, TYPES)?;
+    let sizes = text::sizes(path, "DimSize", header.required("DimSize")?)?;
+    if sizes.len() != header.dimension {
+        return Err(header.bad(format!(
+            "DimSize has {} numbers; NDims {} needs as many",
+            sizes.len(),
+            header.dimension
+        )));
+    }
+    let grid = Grid::new(path, "DimSize", &sizes, element, &options.limits)?;
+    let world_from_ix = world_from_ix(&header)?;
+    let rescale = Rescale {
+        slope: header.float("ElementToIntensityFunctionSlope", 1.0)?,
+        intercept: header.float("ElementToIntensityFunctionOffset", 0.0)?,
+    };
+    let big = ORDER_KEYS
+        .iter()
+        .try_fold(false, |big, key| Ok::<_, Error>(big | header.flag(key)?))?;
+    let endian = if big { Endian::Big } else { Endian::Little };
+
+    let data_file = header.required(DATA_FILE)?;
+    if !data_file.eq_ignore_ascii_case("LOCAL") {
+        if data_file.starts_with("LIST") || data_file.contains('%') {
+            return Err(header.bad(format!(
+                "{DATA_FILE} {data_file:?}: data in several files are not read; valid are LOCAL and one file"
+            )));
+        }
+        source = detached::open(path, DATA_FILE, data_file)?;
+    }
+    let coding = coding(&header)?;
+    skip_header(&header, &mut source, coding, grid)?;
+    let payload = Payload {
+        grid,
+        element,
+        endian,
+        coding,
+        skip: 0,
+    };
+    let voxels = payload.decode(source, options)?;
+    grid::volume(path, voxels, grid, world_from_ix, rescale)
+}
+
+fn coding(header: &Header) -> Result<Coding> {
+    let ascii = header.get("BinaryData").is_some() && !header.flag("BinaryData")?;
+    match (header.flag("CompressedData")?, ascii) {
+        (true, true) => Err(header.bad("CompressedData = True needs BinaryData = True".into())),
+        (true, false) => Ok(Coding::Zlib),
+        (false, true) => Ok(Coding::Ascii),
+        (false, false) => Ok(Coding::Raw),
+    }
+}
+
+/// `HeaderSize` bytes lie before the data; with -1 the data are the end of the file.
+fn skip_header(header: &Header, source: &mut Source, coding: Coding, grid: Grid) -> Result<()> {
+    let Some(value) = header.get("HeaderSize") else {
+        return Ok(());
+    };
+    let bad = || {
+        header.bad(format!(
+            "HeaderSize {value:?}: a number of bytes from 0 is valid, and -1 for uncompressed binary data"
+        ))
+    };
+    let bytes = match value.parse::<i64>().map_err(|_| bad())? {
+        -1 if coding == Coding::Raw => source.remaining().saturating_sub(grid.bytes),
+        bytes => u64::try_from(bytes).map_err(|_| bad())?,
+    };
+    source.advance(bytes, "HeaderSize")
+}
+
+/// World (mm, LPS) from voxel index.
+fn world_from_ix(header: &Header) -> Result<DAffine3> {
+    let n = header.dimension;
+    let spacing = header
+        .floats(SPACING_KEYS, n)?
+        .unwrap_or_else(|| vec![1.0; n]);
+    let origin = header
+        .floats(ORIGIN_KEYS, n)?
+        .unwrap_or_else(|| vec![0.0; n]);
+    let spacing = first_three(&spacing);
+    grid::positive_spacing(&header.path, "ElementSpacing", spacing)?;
+    let directions = match header.floats(DIRECTION_KEYS, n * n)? {
+        Some(matrix) => matrix
+            .chunks(n)
+            .take(3)
+            .map(|d| DVec3::from(first_three(d)))
+            .collect(),
+        None => DVec3::AXES.to_vec(),
+    };
+    let mut steps = [DVec3::ZERO; 3];
+    for ((step, direction), spacing) in steps.iter_mut().zip(directions).zip(spacing) {
+        *step = direction * spacing;
+    }
+    grid::placement(
+        &header.path,
+        "TransformMatrix, ElementSpacing and Offset",
+        steps,
+        DVec3::from(first_three(&origin)),
+    )
+}
+
+/// The numbers of the axes that remain; there are always three when sizes are valid.
+fn first_three(numbers: &[f64]) -> [f64; 3] {
+    numbers.first_chunk::<3>().copied().unwrap_or([f64::NAN; 3])
+}

@@ -1,0 +1,253 @@
+//! Voxels as they lie in a file, decoded straight into the array that stays.
+
+use std::io::{self, Read};
+use std::path::PathBuf;
+
+use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
+
+use super::ReadOptions;
+use super::element::{Element, Stored};
+use super::grid::Grid;
+use super::narrow::{Narrowed, Wide};
+use super::source::{Source, read_error};
+use super::text_data::{AsciiDecoder, HexDecoder};
+use crate::error::{Error, Result};
+use crate::scene::Endian;
+use crate::volume::Voxels;
+
+/// Bytes read at a time: large reads, yet still in the cache when bytes are swapped.
+const CHUNK_BYTES: usize = 1 << 20;
+
+/// DEFLATE (RFC 1951, 3.2.5) cannot do better than 258 bytes for two bits.
+const MAX_DEFLATE_RATIO: u64 = 1032;
+
+/// Decoded bytes after the last voxel that are looked at to reach the end of the stream and so its checksum.
+const MAX_TRAILING_BYTES: u64 = 1 << 20;
+
+/// How voxels are coded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Coding {
+    Raw,
+    /// RFC 1952.
+    Gzip,
+    /// RFC 1950.
+    Zlib,
+    /// Numbers in text.
+    Ascii,
+    /// Two hexadecimal digits per byte.
+    Hex,
+}
+
+/// What is known of the voxels before they are read.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Payload {
+    pub(super) grid: Grid,
+    pub(super) element: Element,
+    pub(super) endian: Endian,
+    pub(super) coding: Coding,
+    /// Bytes before the first voxel, counted after decompression.
+    pub(super) skip: u64,
+}
+
+impl Payload {
+    /// Reads the voxels, from where `source` stands.
+    pub(super) fn decode(&self, mut source: Source, options: &ReadOptions<'_>) -> Result<Voxels> {
+        self.check_length(&source)?;
+        let path = source.path().to_path_buf();
+        let mut skip = self.skip;
+        let reader: Box<dyn Read> = match self.coding {
+            Coding::Raw => {
+                source.advance(std::mem::take(&mut skip), "the header")?;
+                Box::new(source)
+            }
+            Coding::Gzip => Box::new(MultiGzDecoder::new(source)),
+            Coding::Zlib => Box::new(ZlibDecoder::new(source)),
+            Coding::Ascii => Box::new(AsciiDecoder::new(source, self.element)),
+            Coding::Hex => Box::new(HexDecoder::new(source)),
+        };
+        let big = match self.coding {
+            Coding::Ascii => cfg!(target_endian = "big"),
+            _ => self.endian == Endian::Big,
+        };
+        let mut stream = Stream {
+            path,
+            reader,
+            swap: big != cfg!(target_endian = "big"),
+            element: self.element,
+            grid: self.grid,
+            options,
+        };
+        stream.skip(skip)?;
+        let voxels = match self.element {
+            Element::U8 => Voxels::U8(stream.fill()?),
+            Element::I8 => Voxels::I8(stream.fill()?),
+            Element::U16 => Voxels::U16(stream.fill()?),
+            Element::I16 => Voxels::I16(stream.fill()?),
+            Element::F32 => Voxels::F32(stream.fill()?),
+            Element::U32 => stream.narrow::<u32>()?,
+            Element::I32 => stream.narrow::<i32>()?,
+            Element::U64 => stream.narrow::<u64>()?,
+            Element::I64 => stream.narrow::<i64>()?,
+            Element::F64 => stream.narrow::<f64>()?,
+        };
+        if matches!(self.coding, Coding::Gzip | Coding::Zlib) {
+            stream.reach_checksum()?;
+        }
+        Ok(voxels)
+    }
+
+    /// Refuses, before anything is allocated, what the rest of the file cannot hold.
+    fn check_length(&self, source: &Source) -> Result<()> {
+        let have = source.remaining();
+        let need = self.grid.bytes.saturating_add(self.skip);
+        let least = match self.coding {
+            Coding::Raw => need,
+            Coding::Gzip | Coding::Zlib => need / MAX_DEFLATE_RATIO,
+            Coding::Ascii => (self.grid.voxels as u64)
+                .saturating_mul(2)
+                .saturating_sub(1),
+            Coding::Hex => self.grid.bytes.saturating_mul(2),
+        };
+        if have >= least {
+            return Ok(());
+        }
+        Err(source.bad(format!(
+            "{} bytes of {:?} data are needed for {:?} voxels of type {:?}, of which at least {least} must be in \
+             the file; it has {have}: the file is cut short or its header is wrong",
+            need, self.coding, self.grid.size, self.element
+        )))
+    }
+}
+
+/// Decoded bytes on their way into an array.
+struct Stream<'a> {
+    path: PathBuf,
+    reader: Box<dyn Read>,
+    swap: bool,
+    element: Element,
+    grid: Grid,
+    options: &'a ReadOptions<'a>,
+}
+
+impl Stream<'_> {
+    /// The whole array, in the file's own type.
+    fn fill<T: Stored>(&mut self) -> Result<Vec<T>> {
+        let count = self.grid.voxels;
+        let mut voxels = reserve(count)?;
+        while voxels.len() < count {
+            let start = voxels.len();
+            voxels.resize(count.min(start + per_chunk::<T>()), T::zeroed());
+            self.read_chunk(voxels.get_mut(start..).unwrap_or_default(), start)?;
+        }
+        Ok(voxels)
+    }
+
+    /// The whole array, in a smaller type that has every value.
+    fn narrow<T: Wide>(&mut self) -> Result<Voxels> {
+        let count = self.grid.voxels;
+        let mut chunk = vec![T::zeroed(); per_chunk::<T>().min(count)];
+        let mut narrowed = Narrowed::new(count)?;
+        let mut start = 0;
+        while start < count {
+            chunk.truncate(count - start);
+            self.read_chunk(&mut chunk, start)?;
+            if let Some(at) = narrowed.extend(&chunk, count)? {
+                let value = chunk.get(at).map(T::to_string).unwrap_or_default();
+                return Err(Error::volume(
+                    &self.path,
+                    format!(
+                        "voxel {} of type {:?} is {value}, which a 32-bit float cannot hold exactly; \
+                         convert the file to u8, i8, u16, i16 or f32",
+                        start + at,
+                        self.element
+                    ),
+                ));
+            }
+            start += chunk.len();
+        }
+        Ok(narrowed.into_voxels())
+    }
+
+    /// Fills a piece of the array that begins at voxel `start`.
+    fn read_chunk<T: Stored>(&mut self, chunk: &mut [T], start: usize) -> Result<()> {
+        let bytes: &mut [u8] = bytemuck::cast_slice_mut(chunk);
+        let wanted = bytes.len();
+        let got = read_full(&mut self.reader, bytes).map_err(|e| read_error(&self.path, e))?;
+        if got < wanted {
+            return Err(Error::volume(
+                &self.path,
+                format!(
+                    "the data ends in voxel {} of {}: the file is cut short or its header is wrong",
+                    start + got / size_of::<T>(),
+                    self.grid.voxels
+                ),
+            ));
+        }
+        if self.swap {
+            for value in chunk.iter_mut() {
+                *value = value.swapped();
+            }
+        }
+        if let Some(progress) = self.options.progress {
+            let done = ((start + chunk.len()) * size_of::<T>()) as u64;
+            progress(done, self.grid.bytes);
+        }
+        Ok(())
+    }
+
+    fn skip(&mut self, bytes: u64) -> Result<()> {
+        let skipped = io::copy(&mut self.reader.by_ref().take(bytes), &mut io::sink())
+            .map_err(|e| read_error(&self.path, e))?;
+        if skipped < bytes {
+            return Err(Error::volume(
+                &self.path,
+                format!("the header skips {bytes} bytes, but the decoded data has only {skipped}"),
+            ));
+        }
+        Ok(())
+    }
+
+    /// Decoders compare checksums at the end of their stream.
+    fn reach_checksum(&mut self) -> Result<()> {
+        io::copy(
+            &mut self.reader.by_ref().take(MAX_TRAILING_BYTES),
+            &mut io::sink(),
+        )
+        .map_err(|e| read_error(&self.path, e))?;
+        Ok(())
+    }
+}
+
+const fn per_chunk<T>() -> usize {
+    CHUNK_BYTES / size_of::<T>()
+}
+
+/// Reads until the piece is full or the data ends.
+fn read_full(reader: &mut dyn Read, mut out: &mut [u8]) -> io::Result<usize> {
+    let mut total = 0;
+    while !out.is_empty() {
+        match reader.read(out) {
+            Ok(0) => break,
+            Ok(got) => {
+                total += got;
+                out = out.get_mut(got..).unwrap_or_default();
+            }
+            Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
+            Err(e) => return Err(e),
+        }
+    }
+    Ok(total)
+}
+
+/// An empty array with exactly the room that is needed.
+pub(super) fn reserve<T>(count: usize) -> Result<Vec<T>> {
+    let mut room = Vec::new();
+    room.try_reserve_exact(count)
+        .map_err(|e| Error::OutOfMemory {
+            heap: "host",
+            what: "voxels".into(),
+            bytes: (count as u64).saturating_mul(size_of::<T>() as u64),
+            detail: e.to_string(),
+        })?;
+    Ok(room)
+}

@@ -1,0 +1,71 @@
+//! Headerless files, by description.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::ReadOptions;
+use super::element::Element;
+use super::grid::{self, Grid};
+use super::payload::{Coding, Payload};
+use super::source::{self, GZIP_MAGIC, Source};
+use crate::error::{Error, Result};
+use crate::scene::{RawDescription, RawType};
+use crate::volume::{Rescale, Volume};
+
+/// Reads a file that is exactly what the description says, as it is or gzip-compressed.
+pub(super) fn read(
+    path: &Path,
+    description: &RawDescription,
+    options: &ReadOptions<'_>,
+) -> Result<Volume> {
+    let element = match description.voxel_type {
+        RawType::U8 => Element::U8,
+        RawType::I8 => Element::I8,
+        RawType::U16 => Element::U16,
+        RawType::I16 => Element::I16,
+        RawType::F32 => Element::F32,
+    };
+    let axes = description.size.map(u64::from);
+    let at = |key: &str, error: Error| match error {
+        Error::Volume { message, .. } => Error::invalid(format!("volume.raw.{key}"), message),
+        other => other,
+    };
+    let grid =
+        Grid::new(path, "size", &axes, element, &options.limits).map_err(|e| at("size", e))?;
+    let spacing = grid::positive_spacing(path, "spacing", description.spacing)
+        .map_err(|e| at("spacing", e))?;
+    let [x, y, z] = DVec3::AXES;
+    let world_from_ix = grid::placement(
+        path,
+        "spacing",
+        [x * spacing.x, y * spacing.y, z * spacing.z],
+        DVec3::ZERO,
+    )
+    .map_err(|e| at("spacing", e))?;
+
+    let source = Source::open(path)?;
+    let needed = description.offset.saturating_add(grid.bytes);
+    let coding = if source.remaining() == needed {
+        Coding::Raw
+    } else if source::head(path, GZIP_MAGIC.len())? == GZIP_MAGIC {
+        Coding::Gzip
+    } else {
+        let mismatch = format!(
+            "volume.raw describes {needed} bytes (offset {} + {:?} voxels of type {element:?}), the file has {}",
+            description.offset,
+            description.size,
+            source.remaining()
+        );
+        return Err(source.bad(mismatch));
+    };
+    let payload = Payload {
+        grid,
+        element,
+        endian: description.endian,
+        coding,
+        skip: description.offset,
+    };
+    let voxels = payload.decode(source, options)?;
+    grid::volume(path, voxels, grid, world_from_ix, Rescale::default())
+}

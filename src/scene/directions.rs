@@ -120,18 +120,19 @@ fn subdivide(vertices: &[[f64; 3]], faces: &[[usize; 3]], count: u32) -> Vec<DVe
     v
 }
 
-/// Reorders by a stride coprime to the length and near the golden section, so that prefixes are spread out.
-fn spread(dirs: &mut Vec<DVec3>) {
-    let n = dirs.len();
-    let gcd = |mut a: usize, mut b: usize| {
-        while b != 0 {
-            (a, b) = (b, a % b);
+/// Reorders so that each direction is the farthest from all before it, and prefixes are spread out.
+fn spread(dirs: &mut [DVec3]) {
+    let mut distance_to_chosen = vec![f64::INFINITY; dirs.len()];
+    for next in 1..dirs.len() {
+        let mut farthest = next;
+        for i in next..dirs.len() {
+            let distance = dirs[i].distance_squared(dirs[next - 1]);
+            distance_to_chosen[i] = distance_to_chosen[i].min(distance);
+            if distance_to_chosen[i] > distance_to_chosen[farthest] {
+                farthest = i;
+            }
         }
-        a
-    };
-    let mut stride = ((n as f64) * 0.618_033_988_75).round().max(1.0) as usize;
-    while gcd(stride, n) != 1 {
-        stride += 1;
+        dirs.swap(next, farthest);
+        distance_to_chosen.swap(next, farthest);
     }
-    *dirs = (0..n).map(|i| dirs[i * stride % n]).collect();
 }

@@ -1,0 +1,149 @@
+//! Local ambient occlusion at every voxel of the full grid.
+//!
+//! Frida Hernell, Patric Ljung, Anders Ynnerman: "Efficient Ambient and Emissive Tissue Illumination using
+//! Local Occlusion in Multiresolution Volume Rendering" (2007), equations 1 to 5 at the finest level.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::field::trilinear;
+use super::{Field, opacity_over};
+use crate::scene::{AmbientOcclusion, Curve, Interpolation};
+use crate::volume::Volume;
+
+/// Light that reaches a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Light {
+    /// With what the tissue around emits (eq. 4), bias included; equal to `grey` without emission.
+    pub rgb: [f64; 3],
+    /// Ambient light alone (eq. 1), bias included.
+    pub grey: f64,
+}
+
+/// Light at every voxel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightGrid {
+    size: [u32; 3],
+    voxels: Vec<Light>,
+}
+
+impl LightGrid {
+    /// Fills a grid of at least two voxels an axis from voxel indices, in parallel.
+    pub fn from_fn(size: [u32; 3], light: impl Fn([u32; 3]) -> Light + Sync) -> Self {
+        let [nx, ny, nz] = size;
+        let light = &light;
+        let voxels = (0..nz)
+            .into_par_iter()
+            .flat_map_iter(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| light([i, j, k]))))
+            .collect();
+        Self { size, voxels }
+    }
+
+    /// Voxels on x, y, z.
+    pub fn size(&self) -> [u32; 3] {
+        self.size
+    }
+
+    /// Every voxel, x fastest.
+    pub fn voxels(&self) -> &[Light] {
+        &self.voxels
+    }
+
+    /// RGB light at an index position, trilinear; `None` outside `[0, n-1]`.
+    pub fn sample(&self, ix: DVec3) -> Option<DVec3> {
+        let [nx, ny, _] = self.size.map(|n| n as usize);
+        trilinear(self.size, ix, |i, j, k| {
+            let at = i as usize + nx * (j as usize + ny * k as usize);
+            DVec3::from_array(self.voxels[at].rgb)
+        })
+    }
+}
+
+/// Light at every voxel, from the directions and weights of the settings.
+///
+/// The field is sampled trilinearly whatever the march does.
+pub fn light(volume: &Volume, curve: &Curve, settings: &AmbientOcclusion) -> LightGrid {
+    let directions = settings.weighted_directions();
+    LightGrid::from_fn(volume.size(), |voxel| {
+        light_at(volume, curve, settings, voxel, &directions)
+    })
+}
+
+/// Light at one voxel from any unit directions (towards the light, world space) and their weights:
+/// `I = bias + (1/K) sum_k w_k I_k` (eq. 3).
+pub fn light_at(
+    volume: &Volume,
+    curve: &Curve,
+    settings: &AmbientOcclusion,
+    voxel: [u32; 3],
+    directions: &[([f64; 3], f64)],
+) -> Light {
+    let sphere = Sphere {
+        field: Field::new(volume),
+        curve,
+        settings,
+        center_ix: DVec3::from_array(voxel.map(f64::from)),
+        mm_per_voxel: volume.min_spacing(),
+    };
+    let (mut rgb, mut grey) = (DVec3::ZERO, 0.0);
+    for &(direction, weight) in directions {
+        let incident = sphere.incident_light(DVec3::from_array(direction));
+        rgb += weight * DVec3::from_array(incident.rgb);
+        grey += weight * incident.grey;
+    }
+    let count = directions.len() as f64;
+    Light {
+        rgb: (settings.bias + rgb / count).to_array(),
+        grey: settings.bias + grey / count,
+    }
+}
+
+/// What surrounds one voxel.
+struct Sphere<'a> {
+    field: Field<'a>,
+    curve: &'a Curve,
+    settings: &'a AmbientOcclusion,
+    center_ix: DVec3,
+    /// Lengths in the settings are in voxels of the smallest spacing.
+    mm_per_voxel: f64,
+}
+
+impl Sphere<'_> {
+    /// Light from one direction, `I_k = sum_m (1 + c_E,m)/M prod_{i<m} (1 - alpha'_i)` (eq. 2 and 4), sampled
+    /// at the middles of `M` equal parts of `[offset, radius]`, each of length `d` and opacity
+    /// `alpha' = 1 - (1 - alpha)^(gamma d/u)` (eq. 5). Outside the field nothing absorbs or emits.
+    fn incident_light(&self, direction_ws: DVec3) -> Light {
+        let settings = self.settings;
+        let samples = settings.samples_per_ray();
+        let offset = settings.offset * self.mm_per_voxel;
+        let part = (settings.radius * self.mm_per_voxel - offset) / f64::from(samples);
+        let exponent = settings.gamma * part / self.curve.unit_distance;
+        let direction_ix = self.field.ix_from_world().transform_vector3(direction_ws);
+        let (mut rgb, mut grey) = (DVec3::ZERO, 0.0);
+        let mut transparency = 1.0;
+        for m in 0..samples {
+            let distance = offset + (f64::from(m) + 0.5) * part;
+            let optical = self
+                .field
+                .sample(
+                    self.center_ix + direction_ix * distance,
+                    Interpolation::Linear,
+                )
+                .map(|value| self.curve.evaluate(value))
+                .unwrap_or_default();
+            let emission = if settings.emission {
+                DVec3::from_array(optical.emission)
+            } else {
+                DVec3::ZERO
+            };
+            rgb += transparency * (1.0 + emission);
+            grey += transparency;
+            transparency *= 1.0 - opacity_over(optical.opacity, exponent);
+        }
+        let count = f64::from(samples);
+        Light {
+            rgb: (rgb / count).to_array(),
+            grey: grey / count,
+        }
+    }
+}

@@ -10,7 +10,7 @@ mod transfer_table;
 mod upload;
 mod visibility;
 
-pub(crate) use images::Images;
+pub(crate) use images::{Images, LIGHT_TEXEL_BYTES, LightLists};
 pub(crate) use light_work::LightWork;
 pub(crate) use residency::{Residency, Store};
 pub(crate) use transfer_table::{SampleScale, TransferTable};

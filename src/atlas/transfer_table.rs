@@ -59,6 +59,11 @@ pub(crate) struct TransferTable {
 }
 
 impl TransferTable {
+    /// Width of the image that holds a table.
+    pub(crate) const MAX_TEXELS: u32 = MAX_BINS as u32 + 2;
+    /// Its rows: colour and opacity at starts and at ends of bins, emission likewise.
+    pub(crate) const ROWS: u32 = 4;
+
     pub(crate) fn new(curve: &Curve, samples: SampleScale) -> Self {
         let values: Vec<f64> = curve.points.iter().map(|p| p.value).collect();
         let (low, high) = (

@@ -123,6 +123,17 @@ impl Context {
         unsafe { self.retire.collect(self, completed) };
     }
 
+    /// True when images of `format` can be sampled with a linear filter.
+    pub(crate) fn filters_linearly(&self, format: vk::Format) -> bool {
+        // SAFETY: the physical device belongs to the instance, both alive by the contract of `from_host`.
+        let properties = unsafe {
+            self.instance.get_physical_device_format_properties(self.physical_device, format)
+        };
+        properties
+            .optimal_tiling_features
+            .contains(vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR)
+    }
+
     pub(crate) fn vulkan_error(
         &self,
         call: &'static str,

@@ -185,14 +185,3 @@ impl Drop for Sampler {
         self.context.retire.push(Retired::Sampler(self.handle));
     }
 }
-
-/// True when images of `format` can be sampled with a linear filter.
-pub(crate) fn filters_linearly(context: &Context, format: vk::Format) -> bool {
-    // SAFETY: the physical device belongs to the instance, both alive.
-    let properties = unsafe {
-        context.instance.get_physical_device_format_properties(context.physical_device, format)
-    };
-    properties
-        .optimal_tiling_features
-        .contains(vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR)
-}

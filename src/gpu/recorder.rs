@@ -42,8 +42,17 @@ pub(crate) struct ViewBinding {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CopyBox {
     pub(crate) buffer_offset: u64,
+    /// Texels of a row, and rows of a slice, in the buffer.
+    pub(crate) buffer_row: [u32; 2],
     pub(crate) origin: [u32; 3],
     pub(crate) extent: [u32; 3],
+}
+
+impl CopyBox {
+    /// A box that is tightly packed in the buffer.
+    pub(crate) fn packed(buffer_offset: u64, origin: [u32; 3], extent: [u32; 3]) -> Self {
+        Self { buffer_offset, buffer_row: [extent[0], extent[1]], origin, extent }
+    }
 }
 
 impl<'a> Recorder<'a> {
@@ -173,8 +182,8 @@ impl<'a> Recorder<'a> {
             .iter()
             .map(|b| vk::BufferImageCopy {
                 buffer_offset: b.buffer_offset,
-                buffer_row_length: 0,
-                buffer_image_height: 0,
+                buffer_row_length: b.buffer_row[0],
+                buffer_image_height: b.buffer_row[1],
                 image_subresource: COLOR_LAYERS,
                 image_offset: vk::Offset3D {
                     x: b.origin[0] as i32,
@@ -190,7 +199,7 @@ impl<'a> Recorder<'a> {
             .collect()
     }
 
-    /// Copies tightly packed boxes of a host-written buffer into an image.
+    /// Copies boxes of a host-written buffer into an image.
     pub(crate) fn upload(&mut self, from: &Buffer, to: &Image, boxes: &[CopyBox]) {
         self.use_image(to, Access::TransferWrite);
         self.flush();

@@ -1,0 +1,168 @@
+//! The device side of the volume.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::{LightWork, Residency, Store, TransferTable};
+use crate::error::{Error, Result};
+use crate::gpu::memory::MemoryLocation;
+use crate::gpu::{Buffer, Context, Filter, Image, ImageInfo, Sampler};
+use crate::volume::VoxelType;
+
+/// Format of the light volume.
+pub(crate) const LIGHT_FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+/// Bytes of a texel of the light volume.
+pub(crate) const LIGHT_TEXEL_BYTES: u32 = 8;
+
+/// Images and buffers of one volume under one choice of levels.
+pub(crate) struct Images {
+    /// Voxels, brick by brick.
+    pub(crate) atlas: Image,
+    /// Block to place and level: RGBA, texel origin and level + 1; 0 for none.
+    pub(crate) index: Image,
+    /// Skip distances.
+    pub(crate) skip: Image,
+    /// Transfer-function table.
+    pub(crate) transfer: Image,
+    /// Local ambient occlusion, packed like the atlas; one texel when it is off.
+    pub(crate) light: Image,
+    /// The voxel format cannot be filtered by this device's texture units: the shaders do it.
+    pub(crate) manual_filter: bool,
+    pub(crate) linear: Sampler,
+    pub(crate) nearest: Sampler,
+}
+
+/// The texture format that keeps a voxel type's precision.
+pub(crate) fn voxel_format(voxel_type: VoxelType) -> vk::Format {
+    match voxel_type {
+        VoxelType::U8 | VoxelType::I8 => vk::Format::R8_UNORM,
+        VoxelType::U16 | VoxelType::I16 => vk::Format::R16_UNORM,
+        VoxelType::F32 => vk::Format::R32_SFLOAT,
+    }
+}
+
+impl Images {
+    pub(crate) fn new(
+        context: &Arc<Context>,
+        name: &str,
+        store: &Store,
+        residency: &Residency,
+        lit: bool,
+    ) -> Result<Self> {
+        let max = context.capabilities().max_extent_3d;
+        let volume_image = |part: &str, extent: [u32; 3], format, usage| {
+            let name = format!("{name}.{part}");
+            if extent.iter().any(|&n| n > max) {
+                return Err(Error::Unsupported {
+                    device: context.capabilities().name.clone(),
+                    need: format!("a 3D image of {extent:?} texels for {name}"),
+                    have: format!("at most {max} on an axis"),
+                });
+            }
+            Image::new(
+                context,
+                &ImageInfo { name: &name, extent, format, three_dimensional: true, usage },
+            )
+        };
+        let sampled = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
+        let format = voxel_format(store.volume.voxels().voxel_type());
+        let extent = residency.layout.extent();
+        Ok(Self {
+            atlas: volume_image("atlas", extent, format, sampled)?,
+            index: volume_image(
+                "index",
+                store.grid().counts(),
+                vk::Format::R16G16B16A16_UINT,
+                sampled,
+            )?,
+            skip: volume_image("skip", residency.cells.counts(), vk::Format::R8_UINT, sampled)?,
+            transfer: Image::new(
+                context,
+                &ImageInfo {
+                    name: &format!("{name}.transfer"),
+                    extent: [TransferTable::MAX_TEXELS, TransferTable::ROWS, 1],
+                    format: vk::Format::R32G32B32A32_SFLOAT,
+                    three_dimensional: false,
+                    usage: sampled,
+                },
+            )?,
+            light: volume_image(
+                "light",
+                if lit { extent } else { [1; 3] },
+                LIGHT_FORMAT,
+                sampled | vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_SRC,
+            )?,
+            manual_filter: !context.filters_linearly(format),
+            linear: Sampler::new(context, &format!("{name}.linear"), Filter::Linear)?,
+            nearest: Sampler::new(context, &format!("{name}.nearest"), Filter::Nearest)?,
+        })
+    }
+
+    /// The index texture's texels, for the blocks that `uploaded` says are there.
+    pub(crate) fn index_texels(residency: &Residency, uploaded: impl Fn(usize) -> bool) -> Vec<u16> {
+        let levels = &residency.selection.levels.by_block;
+        residency
+            .layout
+            .origins()
+            .iter()
+            .zip(levels)
+            .enumerate()
+            .flat_map(|(block, place)| match place {
+                (Some(origin), Some(level)) if uploaded(block) => {
+                    let [x, y, z] = origin.map(|o| o as u16);
+                    [x, y, z, u16::from(*level) + 1]
+                }
+                _ => [0; 4],
+            })
+            .collect()
+    }
+
+    /// The sampler of the atlas; formats that cannot be filtered must not be bound with one that does.
+    pub(crate) fn atlas_sampler(&self) -> &Sampler {
+        if self.manual_filter { &self.nearest } else { &self.linear }
+    }
+
+    /// Device memory of all images, bytes.
+    pub(crate) fn bytes(&self) -> u64 {
+        [&self.atlas, &self.index, &self.skip, &self.transfer, &self.light]
+            .iter()
+            .map(|i| i.bytes())
+            .sum()
+    }
+}
+
+/// The light passes' lists on the device.
+pub(crate) struct LightLists {
+    pub(crate) bricks: Buffer,
+    pub(crate) trace: Buffer,
+    pub(crate) seam: Buffer,
+}
+
+impl LightLists {
+    /// # Errors
+    /// [`Error::OutOfMemory`], or [`Error::Unsupported`] when a list exceeds the device's largest storage buffer.
+    pub(crate) fn new(context: &Arc<Context>, name: &str, work: &LightWork) -> Result<Self> {
+        let buffer = |part: &str, bytes: &[u8]| {
+            let name = format!("{name}.{part}");
+            let most = context.capabilities().max_storage_bytes;
+            if bytes.len() as u64 > most {
+                return Err(Error::Unsupported {
+                    device: context.capabilities().name.clone(),
+                    need: format!("a storage buffer of {} bytes for {name}", bytes.len()),
+                    have: format!("at most {most}"),
+                });
+            }
+            let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
+            let mut buffer =
+                Buffer::new(context, &name, bytes.len() as u64, usage, MemoryLocation::Upload)?;
+            buffer.mapped_mut()?[..bytes.len()].copy_from_slice(bytes);
+            Ok(buffer)
+        };
+        Ok(Self {
+            bricks: buffer("bricks", bytemuck::cast_slice(&work.bricks))?,
+            trace: buffer("trace", bytemuck::cast_slice(&work.trace))?,
+            seam: buffer("seam", bytemuck::cast_slice(&work.seam))?,
+        })
+    }
+}

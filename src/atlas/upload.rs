@@ -1,0 +1,198 @@
+//! Bricks on their way to the device, a bounded batch a frame.
+
+use std::sync::Arc;
+
+use ash::vk;
+use rayon::prelude::*;
+
+use super::{Images, Residency, Store, TransferTable};
+use crate::error::Result;
+use crate::gpu::memory::MemoryLocation;
+use crate::gpu::{Access, Buffer, Context, CopyBox, Recorder};
+use crate::volume::bricks::BrickBuilder;
+
+/// Offsets of copies are multiples of this: of every texel size, and of the 4 that Vulkan asks for.
+const COPY_ALIGNMENT: usize = 16;
+
+/// What is still to be uploaded.
+pub(crate) struct Uploads {
+    /// Resident blocks; those before `next` are on the device.
+    blocks: Vec<usize>,
+    next: usize,
+    transfer: bool,
+    skip: bool,
+    index: bool,
+    light_cleared: bool,
+}
+
+/// What one frame uploaded.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Uploaded {
+    pub(crate) bytes: u64,
+}
+
+impl Uploads {
+    /// Everything.
+    pub(crate) fn all(residency: &Residency) -> Self {
+        let levels = &residency.selection.levels.by_block;
+        Self {
+            blocks: (0..levels.len()).filter(|&b| levels[b].is_some()).collect(),
+            next: 0,
+            transfer: true,
+            skip: true,
+            index: true,
+            light_cleared: false,
+        }
+    }
+
+    /// The transfer function changed.
+    pub(crate) fn reclassify(&mut self) {
+        self.transfer = true;
+        self.skip = true;
+    }
+
+    /// Bricks not on the device yet.
+    pub(crate) fn missing_bricks(&self) -> usize {
+        self.blocks.len() - self.next
+    }
+
+    /// True when every resident brick is on the device.
+    pub(crate) fn bricks_complete(&self) -> bool {
+        self.missing_bricks() == 0
+    }
+
+    /// Records the uploads of one frame, of about `budget` bytes of bricks.
+    pub(crate) fn record(
+        &mut self,
+        context: &Arc<Context>,
+        recorder: &mut Recorder<'_>,
+        resources: &UploadResources<'_>,
+        budget: usize,
+    ) -> Result<Uploaded> {
+        let UploadResources { images, store, residency, table, distances } = *resources;
+        let mut uploaded = Uploaded::default();
+        if !self.bricks_complete() {
+            uploaded.bytes += self.bricks(context, recorder, resources, budget)?;
+            self.index = true;
+        }
+        if self.index {
+            let ready = self.ready(store);
+            let texels = Images::index_texels(residency, |block| ready[block]);
+            whole(context, recorder, "umbravox.upload.index", bytemuck::cast_slice(&texels), &images.index)?;
+            self.index = false;
+        }
+        if self.skip {
+            whole(context, recorder, "umbravox.upload.skip", distances, &images.skip)?;
+            self.skip = false;
+        }
+        if self.transfer {
+            let texels = table.texels();
+            let bytes: &[u8] = bytemuck::cast_slice(&texels);
+            let staging = staging(context, "umbravox.upload.transfer", bytes)?;
+            let extent = [table.bins() as u32, TransferTable::ROWS, 1];
+            let part = CopyBox::packed(0, [0; 3], extent);
+            recorder.upload(&staging, &images.transfer, &[part]);
+            self.transfer = false;
+        }
+        if !self.light_cleared {
+            recorder.clear(&images.light);
+            self.light_cleared = true;
+        }
+        for image in [&images.atlas, &images.index, &images.skip, &images.transfer] {
+            recorder.use_image(image, Access::SampledRead);
+        }
+        recorder.use_image(&images.light, Access::SampledGeneral);
+        recorder.flush();
+        Ok(uploaded)
+    }
+
+    /// By block: is its brick on the device?
+    fn ready(&self, store: &Store) -> Vec<bool> {
+        let mut ready = vec![false; store.grid().len()];
+        for &block in &self.blocks[..self.next] {
+            ready[block] = true;
+        }
+        ready
+    }
+
+    fn bricks(
+        &mut self,
+        context: &Arc<Context>,
+        recorder: &mut Recorder<'_>,
+        resources: &UploadResources<'_>,
+        budget: usize,
+    ) -> Result<u64> {
+        let UploadResources { images, store, residency, .. } = *resources;
+        let builder = BrickBuilder::new(&store.volume, store.grid(), &residency.selection.levels)?;
+        let mut sizes = Vec::new();
+        let mut total = 0;
+        for &block in &self.blocks[self.next..] {
+            let bytes = builder.bytes(block).next_multiple_of(COPY_ALIGNMENT);
+            if total > 0 && total + bytes > budget {
+                break;
+            }
+            sizes.push(bytes);
+            total += bytes;
+        }
+        let batch = &self.blocks[self.next..self.next + sizes.len()];
+        let mut staging = Buffer::new(
+            context,
+            "umbravox.upload.bricks",
+            total as u64,
+            vk::BufferUsageFlags::TRANSFER_SRC,
+            MemoryLocation::Upload,
+        )?;
+        let mut rest = &mut staging.mapped_mut()?[..total];
+        let mut parts = Vec::with_capacity(batch.len());
+        for &bytes in &sizes {
+            let (part, tail) = rest.split_at_mut(bytes);
+            parts.push(part);
+            rest = tail;
+        }
+        parts.into_par_iter().zip(batch).for_each(|(part, &block)| builder.write(block, part));
+        let mut offset = 0;
+        let mut boxes = Vec::with_capacity(batch.len());
+        for (&block, &bytes) in batch.iter().zip(&sizes) {
+            if let Some(origin) = residency.layout.origins()[block] {
+                let row = builder.extent(block);
+                boxes.push(CopyBox {
+                    buffer_offset: offset,
+                    buffer_row: [row; 2],
+                    origin,
+                    extent: residency.layout.copy_extent(block),
+                });
+            }
+            offset += bytes as u64;
+        }
+        recorder.upload(&staging, &images.atlas, &boxes);
+        self.next += batch.len();
+        Ok(total as u64)
+    }
+}
+
+/// What uploads read and write.
+#[derive(Clone, Copy)]
+pub(crate) struct UploadResources<'a> {
+    pub(crate) images: &'a Images,
+    pub(crate) store: &'a Store,
+    pub(crate) residency: &'a Residency,
+    pub(crate) table: &'a TransferTable,
+    pub(crate) distances: &'a [u8],
+}
+
+fn staging(context: &Arc<Context>, name: &str, bytes: &[u8]) -> Result<Buffer> {
+    Buffer::upload(context, name, bytes, vk::BufferUsageFlags::TRANSFER_SRC)
+}
+
+/// Uploads a whole image from tightly packed texels.
+fn whole(
+    context: &Arc<Context>,
+    recorder: &mut Recorder<'_>,
+    name: &str,
+    bytes: &[u8],
+    to: &crate::gpu::Image,
+) -> Result<()> {
+    let staging = staging(context, name, bytes)?;
+    recorder.upload(&staging, to, &[CopyBox::packed(0, [0; 3], to.extent())]);
+    Ok(())
+}

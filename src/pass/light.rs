@@ -1,0 +1,113 @@
+//! Local ambient occlusion: one direction a frame for every sample of the light volume that can be seen.
+//!
+//! Reads   atlas, index, skip, transfer (SampledRead), brick table and work lists (storage buffers the host wrote)
+//! Writes  the light volume (Storage: a running mean, so each direction reads what the last one wrote)
+//! Grid    one workgroup for 4x4x4 samples of a brick; a second pass for samples that bricks share
+//! Method  Hernell, Ljung, Ynnerman 2007, eq. 1-5; models.md 1
+//! Limits  a dispatch takes at most `GROUPS_A_DISPATCH` groups
+//! Twin    src/reference/light.rs
+
+use std::sync::Arc;
+
+use super::{Reconstruction, Variants};
+use crate::atlas::{Images, LightLists, LightWork};
+use crate::error::Result;
+use crate::gpu::{Access, Bound, Buffer, Context, Recorder};
+use crate::shader::generated::*;
+use crate::shader::interface;
+use crate::shader::structs::{LightPush, SeamPush};
+
+/// Bounds one dispatch to about 2 million samples times the samples of a ray.
+const GROUPS_A_DISPATCH: usize = 32768;
+
+/// What the light passes work on.
+pub(crate) struct LightResources<'a> {
+    pub(crate) images: &'a Images,
+    pub(crate) lists: &'a LightLists,
+    pub(crate) work: &'a LightWork,
+    pub(crate) uniforms: &'a Buffer,
+    /// Offset and size of the volume's parameters in `uniforms`.
+    pub(crate) volume: (u64, u64),
+}
+
+/// The pass.
+pub(crate) struct LightPass {
+    variants: Variants,
+}
+
+impl LightPass {
+    pub(crate) fn new() -> Self {
+        Self { variants: Variants::new() }
+    }
+
+    /// Traces one direction; `push` holds all but the part of the list.
+    pub(crate) fn trace(
+        &mut self,
+        context: &Arc<Context>,
+        recorder: &mut Recorder<'_>,
+        reconstruction: Reconstruction,
+        resources: &LightResources<'_>,
+        push: LightPush,
+    ) -> Result<()> {
+        let pipeline =
+            self.variants.get(context, &interface::LIGHT_TRACE, reconstruction.constants())?;
+        let LightResources { images, lists, work, uniforms, volume } = *resources;
+        for image in [&images.atlas, &images.index, &images.skip, &images.transfer] {
+            recorder.use_image(image, Access::SampledRead);
+        }
+        recorder.use_image(&images.light, Access::Storage);
+        let sampled = |image, sampler| Bound::Sampled { image, sampler, general: false };
+        let bound = [
+            (BINDING_VOLUME, Bound::Uniform { buffer: uniforms, offset: volume.0, bytes: volume.1 }),
+            (BINDING_ATLAS, sampled(&images.atlas, images.atlas_sampler())),
+            (BINDING_INDEX, sampled(&images.index, &images.nearest)),
+            (BINDING_SKIP, sampled(&images.skip, &images.nearest)),
+            (BINDING_TRANSFER, sampled(&images.transfer, &images.nearest)),
+            (BINDING_BRICKS, Bound::Storage(&lists.bricks)),
+            (BINDING_WORK, Bound::Storage(&lists.trace)),
+            (BINDING_LIGHT_STORE, Bound::StorageImage(&images.light)),
+        ];
+        recorder.bind(pipeline, &bound)?;
+        for (first, count) in parts(0, work.trace.len()) {
+            recorder.dispatch(pipeline, &LightPush { first, count, ..push }, [count, 1, 1]);
+        }
+        Ok(())
+    }
+
+    /// Makes the light continuous across bricks, coarsest level first.
+    pub(crate) fn seam(
+        &mut self,
+        context: &Arc<Context>,
+        recorder: &mut Recorder<'_>,
+        resources: &LightResources<'_>,
+    ) -> Result<()> {
+        let pipeline = self.variants.get(context, &interface::LIGHT_SEAM, Vec::new())?;
+        let LightResources { images, lists, work, uniforms, volume } = *resources;
+        let bound = [
+            (BINDING_VOLUME, Bound::Uniform { buffer: uniforms, offset: volume.0, bytes: volume.1 }),
+            (
+                BINDING_INDEX,
+                Bound::Sampled { image: &images.index, sampler: &images.nearest, general: false },
+            ),
+            (BINDING_BRICKS, Bound::Storage(&lists.bricks)),
+            (BINDING_WORK, Bound::Storage(&lists.seam)),
+            (BINDING_LIGHT_STORE, Bound::StorageImage(&images.light)),
+        ];
+        recorder.bind(pipeline, &bound)?;
+        for level in work.seam_levels.windows(2).filter(|l| l[0] < l[1]) {
+            // Each level follows the coarser ones before it.
+            recorder.use_image(&images.light, Access::Storage);
+            for (first, count) in parts(level[0], level[1]) {
+                recorder.dispatch(pipeline, &SeamPush { first, count }, [count, 1, 1]);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// First entry and count of each dispatch over `[start, end)` of a list.
+fn parts(start: usize, end: usize) -> impl Iterator<Item = (u32, u32)> {
+    (start..end)
+        .step_by(GROUPS_A_DISPATCH)
+        .map(move |first| (first as u32, (end - first).min(GROUPS_A_DISPATCH) as u32))
+}

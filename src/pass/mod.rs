@@ -1,0 +1,87 @@
+//! The compute passes. Each file is one: its pipeline variants, what it binds, what it dispatches.
+
+pub(crate) mod bare;
+pub(crate) mod light;
+pub(crate) mod march;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use crate::error::Result;
+use crate::gpu::{Context, Pipeline};
+use crate::shader::PassInterface;
+
+/// Pipelines of one pass by specialization, compiled when first used.
+pub(crate) struct Variants {
+    pipelines: BTreeMap<(&'static str, Vec<(u32, u32)>), Pipeline>,
+}
+
+impl Variants {
+    pub(crate) fn new() -> Self {
+        Self { pipelines: BTreeMap::new() }
+    }
+
+    /// The pipeline of `interface` specialized by (id, value) pairs.
+    pub(crate) fn get(
+        &mut self,
+        context: &Arc<Context>,
+        interface: &'static PassInterface,
+        constants: Vec<(u32, u32)>,
+    ) -> Result<&Pipeline> {
+        use std::collections::btree_map::Entry;
+        match self.pipelines.entry((interface.module.name, constants)) {
+            Entry::Occupied(there) => Ok(there.into_mut()),
+            Entry::Vacant(free) => {
+                let pipeline = Pipeline::new(context, interface, &free.key().1)?;
+                Ok(free.insert(pipeline))
+            }
+        }
+    }
+}
+
+/// How the field is reconstructed, shared by all passes that sample it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Reconstruction {
+    pub(crate) nearest: bool,
+    /// The texture unit cannot filter the voxel format.
+    pub(crate) manual: bool,
+    pub(crate) inter_block: bool,
+    pub(crate) skipping: bool,
+    pub(crate) emission: bool,
+}
+
+impl Reconstruction {
+    /// Specialization constants, the same ids in every pass.
+    pub(crate) fn constants(self) -> Vec<(u32, u32)> {
+        use crate::shader::generated::{
+            SPEC_EMISSION, SPEC_INTER_BLOCK, SPEC_RECONSTRUCTION, SPEC_SKIPPING,
+        };
+        // The values of RECONSTRUCT_* in glsl/include/reconstruct.glsl.
+        let kind = match (self.nearest, self.manual) {
+            (true, _) => 2,
+            (false, true) => 1,
+            (false, false) => 0,
+        };
+        vec![
+            (SPEC_RECONSTRUCTION, kind),
+            (SPEC_INTER_BLOCK, self.inter_block.into()),
+            (SPEC_SKIPPING, self.skipping.into()),
+            (SPEC_EMISSION, self.emission.into()),
+        ]
+    }
+}
+
+/// Consecutive pieces of a picture of `size`, at most `tile` on an edge: first pixel and end.
+pub(crate) fn tiles(size: [u32; 2], tile: u32) -> impl Iterator<Item = ([u32; 2], [u32; 2])> {
+    (0..size[1].div_ceil(tile)).flat_map(move |y| {
+        (0..size[0].div_ceil(tile)).map(move |x| {
+            let first = [x * tile, y * tile];
+            (first, [(first[0] + tile).min(size[0]), (first[1] + tile).min(size[1])])
+        })
+    })
+}
+
+/// Workgroups of 8 x 8 that cover a tile.
+pub(crate) fn tile_groups(first: [u32; 2], end: [u32; 2]) -> [u32; 3] {
+    [(end[0] - first[0]).div_ceil(8), (end[1] - first[1]).div_ceil(8), 1]
+}

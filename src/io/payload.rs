@@ -112,9 +112,9 @@ impl Payload {
             return Ok(());
         }
         Err(source.bad(format!(
-            "{} bytes of {:?} data are needed for {:?} voxels of type {:?}, of which at least {least} must be in \
-             the file; it has {have}: the file is cut short or its header is wrong",
-            need, self.coding, self.grid.size, self.element
+            "{:?} voxels of type {:?} are {} bytes; as {:?} data after {} bytes of header they take at least \
+             {least} bytes, the file has {have}: it is cut short or its header is wrong",
+            self.grid.size, self.element, self.grid.bytes, self.coding, self.skip
         )))
     }
 }

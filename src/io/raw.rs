@@ -46,10 +46,18 @@ pub(super) fn read(
 
     let source = Source::open(path)?;
     let needed = description.offset.saturating_add(grid.bytes);
-    let coding = if source.remaining() == needed {
-        Coding::Raw
-    } else if source::head(path, GZIP_MAGIC.len())? == GZIP_MAGIC {
+    let fits = source.remaining() == needed;
+    let gzip = source::head(path, GZIP_MAGIC.len())? == GZIP_MAGIC;
+    // Voxels may start as gzip does; where the length fits too, the name decides.
+    let coding = if gzip
+        && (!fits
+            || path
+                .extension()
+                .is_some_and(|e| e.eq_ignore_ascii_case("gz")))
+    {
         Coding::Gzip
+    } else if fits {
+        Coding::Raw
     } else {
         let mismatch = format!(
             "volume.raw describes {needed} bytes (offset {} + {:?} voxels of type {element:?}), the file has {}",

@@ -44,7 +44,10 @@ pub(super) fn control_points(volume: &Volume) -> Result<Vec<ControlPoint>> {
 }
 
 fn looks_like_hounsfield(volume: &Volume) -> bool {
-    let wide = matches!(volume.voxels().voxel_type(), VoxelType::I16 | VoxelType::U16);
+    let wide = matches!(
+        volume.voxels().voxel_type(),
+        VoxelType::I16 | VoxelType::U16
+    );
     let [lowest, highest] = volume.value_range();
     wide && lowest <= AIR_BELOW && highest > 0.0
 }
@@ -72,7 +75,10 @@ fn histogram(volume: &Volume) -> Vec<u64> {
     }
 }
 
-fn count<T: Copy + Into<f64> + Sync>(voxels: &[T], bin_of: impl Fn(f64) -> usize + Sync) -> Vec<u64> {
+fn count<T: Copy + Into<f64> + Sync>(
+    voxels: &[T],
+    bin_of: impl Fn(f64) -> usize + Sync,
+) -> Vec<u64> {
     voxels
         .par_chunks(1 << 18)
         .map(|chunk| {
@@ -101,7 +107,11 @@ fn background_end(counts: &[u64]) -> usize {
         .find(|&bin| (counts[bin] as f64) <= BACKGROUND_END * height as f64)
         .unwrap_or(counts.len());
     let above: u64 = counts[end..].iter().sum();
-    if peak >= counts.len() / 2 || above == 0 { 0 } else { end }
+    if peak >= counts.len() / 2 || above == 0 {
+        0
+    } else {
+        end
+    }
 }
 
 /// The bin in which the running sum of counts reaches `wanted`.

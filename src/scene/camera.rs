@@ -164,12 +164,7 @@ impl Camera {
 }
 
 /// Orthonormal view from `eye` to `target`.
-fn look_at(
-    eye: [f64; 3],
-    target: [f64; 3],
-    up: [f64; 3],
-    projection: Projection,
-) -> Result<View> {
+fn look_at(eye: [f64; 3], target: [f64; 3], up: [f64; 3], projection: Projection) -> Result<View> {
     for (at, vector) in [("eye", eye), ("target", target), ("up", up)] {
         require(
             all_finite(vector),

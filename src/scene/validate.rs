@@ -23,7 +23,10 @@ impl Scene {
     /// [`Error::Invalid`] naming the first key that is out of range, its value and what would be valid.
     pub fn validate(&self) -> Result<()> {
         if self.volume.path.as_os_str().is_empty() {
-            return Err(Error::invalid("volume.path", "empty; give a file or folder"));
+            return Err(Error::invalid(
+                "volume.path",
+                "empty; give a file or folder",
+            ));
         }
         if let Some(raw) = &self.volume.raw {
             check_raw(raw)?;
@@ -200,8 +203,18 @@ fn check_occlusion(ao: &AmbientOcclusion) -> Result<()> {
             (ao.radius - ao.offset) / f64::from(MAX_SAMPLES_PER_RAY)
         ),
     )?;
-    require(not_negative(ao.gamma), &at("gamma"), Number(ao.gamma), "a number >= 0")?;
-    require(not_negative(ao.bias), &at("bias"), Number(ao.bias), "a number >= 0")?;
+    require(
+        not_negative(ao.gamma),
+        &at("gamma"),
+        Number(ao.gamma),
+        "a number >= 0",
+    )?;
+    require(
+        not_negative(ao.bias),
+        &at("bias"),
+        Number(ao.bias),
+        "a number >= 0",
+    )?;
     if let Some(directions) = &ao.explicit_directions {
         require(
             (1..=MAX_RAYS as usize).contains(&directions.len()),
@@ -218,7 +231,12 @@ fn check_occlusion(ao: &AmbientOcclusion) -> Result<()> {
     };
     for (i, &weight) in weights.iter().enumerate() {
         let at = at(&format!("weights.{i}"));
-        require(is_share(weight), &at, Number(weight), "a number from 0 to 1")?;
+        require(
+            is_share(weight),
+            &at,
+            Number(weight),
+            "a number from 0 to 1",
+        )?;
     }
     let count = ao.weighted_directions().len();
     require(
@@ -273,7 +291,12 @@ impl TransferFunction {
         let mut previous = f64::NEG_INFINITY;
         for (i, point) in points.unwrap_or_default().iter().enumerate() {
             let at = |key: &str| format!("transfer_function.points.{i}.{key}");
-            require(finite(point.value), &at("value"), Number(point.value), "a finite number")?;
+            require(
+                finite(point.value),
+                &at("value"),
+                Number(point.value),
+                "a finite number",
+            )?;
             require(
                 point.value >= previous,
                 &at("value"),

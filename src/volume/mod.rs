@@ -4,6 +4,8 @@
 //! axis, and nothing is sampled outside. Index space (`_ix`) counts voxels: voxel `(i,j,k)` sits at `(i,j,k)`.
 //! World space (`_ws`) is patient/physical space in millimetres, LPS.
 
+pub mod summary;
+
 use glam::{DAffine3, DVec3};
 
 use crate::error::{Error, Result};

@@ -40,7 +40,10 @@ impl Scene {
         let text = std::str::from_utf8(&bytes).map_err(|e| {
             Error::invalid(
                 path.display().to_string(),
-                format!("byte {} is not UTF-8; a scene file is UTF-8 JSON", e.valid_up_to()),
+                format!(
+                    "byte {} is not UTF-8; a scene file is UTF-8 JSON",
+                    e.valid_up_to()
+                ),
             )
         })?;
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -108,7 +111,10 @@ pub fn is_scene_file(path: &Path) -> Result<bool> {
         return Ok(false);
     }
     let file = std::fs::File::open(path).map_err(|e| Error::io(path, e))?;
-    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+    if path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("json"))
+    {
         return Ok(true);
     }
     let mut start = Vec::new();

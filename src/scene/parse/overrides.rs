@@ -38,8 +38,7 @@ impl Override {
         if keys.iter().any(String::is_empty) {
             return Err(usage("the place has an empty key"));
         }
-        let value =
-            serde_json::from_str(value).unwrap_or_else(|_| Value::String(value.to_owned()));
+        let value = serde_json::from_str(value).unwrap_or_else(|_| Value::String(value.to_owned()));
         Ok(Self { keys, value })
     }
 

@@ -37,7 +37,10 @@ fn check_alternatives(value: &Value, schema: &Value, choices: &[Value], at: &str
         return Ok(());
     }
     if let Value::Object(object) = value {
-        let objects: Vec<&Value> = choices.iter().filter(|c| c["properties"].is_object()).collect();
+        let objects: Vec<&Value> = choices
+            .iter()
+            .filter(|c| c["properties"].is_object())
+            .collect();
         match objects[..] {
             [] => {}
             [only] => return check_at(value, only, at),
@@ -45,24 +48,40 @@ fn check_alternatives(value: &Value, schema: &Value, choices: &[Value], at: &str
         }
     }
     let fits = |choice: &&Value| types(choice).any(|t| has_type(value, t));
-    match choices.iter().filter(|c| c.get("const").is_none()).find(fits) {
+    match choices
+        .iter()
+        .filter(|c| c.get("const").is_none())
+        .find(fits)
+    {
         Some(choice) => check_at(value, choice, at),
         None => Err(mismatch(value, schema, at)),
     }
 }
 
 /// An object whose `type` says which keys it has.
-fn check_variant(object: &Map<String, Value>, value: &Value, variants: &[&Value], at: &str) -> Result<()> {
+fn check_variant(
+    object: &Map<String, Value>,
+    value: &Value,
+    variants: &[&Value],
+    at: &str,
+) -> Result<()> {
     let tags = || names(variants.iter().map(|v| tag_of(v)));
     let at_tag = join(at, "type");
     let Some(tag) = object.get("type") else {
-        return Err(Error::invalid(at_tag, format!("missing; give one of {}", tags())));
+        return Err(Error::invalid(
+            at_tag,
+            format!("missing; give one of {}", tags()),
+        ));
     };
     match variants.iter().find(|v| tag_of(v) == tag) {
         Some(variant) => check_at(value, variant, at),
         None => Err(Error::invalid(
             at_tag,
-            format!("{} is not available; this version has {}", show(tag), tags()),
+            format!(
+                "{} is not available; this version has {}",
+                show(tag),
+                tags()
+            ),
         )),
     }
 }
@@ -85,7 +104,10 @@ fn check_object(object: &Map<String, Value>, schema: &Value, at: &str) -> Result
     for key in required.filter_map(Value::as_str) {
         if !object.contains_key(key) {
             let wanted = describe(&schema["properties"][key]);
-            return Err(Error::invalid(join(at, key), format!("missing; give {wanted}")));
+            return Err(Error::invalid(
+                join(at, key),
+                format!("missing; give {wanted}"),
+            ));
         }
     }
     Ok(())
@@ -137,7 +159,10 @@ fn mismatch(value: &Value, schema: &Value, at: &str) -> Error {
     let message = if value.is_string() && listed_names(schema).is_some() {
         // The names of other versions' models are no typing errors: say what there is, not what looks alike.
         let available = listed_names(schema).unwrap_or_default();
-        format!("{} is not available; this version has {available}", show(value))
+        format!(
+            "{} is not available; this version has {available}",
+            show(value)
+        )
     } else {
         format!("{} is not valid; give {}", show(value), describe(schema))
     };
@@ -149,8 +174,10 @@ fn listed_names(schema: &Value) -> Option<String> {
     if let Some(listed) = schema["enum"].as_array() {
         return Some(names(listed.iter()));
     }
-    let constants: Option<Vec<&Value>> =
-        alternatives(schema)?.iter().map(|c| c.get("const")).collect();
+    let constants: Option<Vec<&Value>> = alternatives(schema)?
+        .iter()
+        .map(|c| c.get("const"))
+        .collect();
     constants.map(|c| names(c.into_iter()))
 }
 

@@ -10,7 +10,9 @@ use crate::volume::{Volume, VoxelType, Voxels};
 const CT_PRESET: &str = "ct-bone";
 /// CT in Hounsfield units holds air.
 const AIR_BELOW: f64 = -900.0;
-const BINS: usize = 1024;
+const MAX_BINS: usize = 256;
+/// Bins on either side that the histogram is averaged over when the background is looked for, against noise.
+const SMOOTHING: usize = 2;
 /// The background ends where the histogram has fallen to this share of its peak.
 const BACKGROUND_END: f64 = 0.05;
 
@@ -31,7 +33,7 @@ pub(super) fn control_points(volume: &Volume) -> Result<Vec<ControlPoint>> {
     }
     let counts = histogram(volume);
     let [lowest, highest] = volume.value_range();
-    let value_of = |bin: usize| lowest + (highest - lowest) * bin as f64 / BINS as f64;
+    let value_of = |bin: usize| lowest + (highest - lowest) * bin as f64 / counts.len() as f64;
     let first = background_end(&counts);
     let total: u64 = counts[first..].iter().sum();
     let points = RAMP.iter().map(|&(share, color, opacity)| ControlPoint {
@@ -52,44 +54,51 @@ fn looks_like_hounsfield(volume: &Volume) -> bool {
     wide && lowest <= AIR_BELOW && highest > 0.0
 }
 
-/// Voxels per equal part of the value range, lowest values first.
+/// Voxels per equal part of the value range, lowest values first. Integers get no more bins than values, so that
+/// none is empty for want of a value.
 fn histogram(volume: &Volume) -> Vec<u64> {
+    let [stored_min, stored_max] = volume.stored_range();
+    let bins = match volume.voxels() {
+        Voxels::F32(_) => MAX_BINS,
+        _ => MAX_BINS.min((stored_max - stored_min) as usize + 1),
+    };
     let [lowest, highest] = volume.value_range();
     let rescale = volume.rescale();
     // A constant field falls into the first bin.
     let bins_per_value = if highest > lowest {
-        BINS as f64 / (highest - lowest)
+        bins as f64 / (highest - lowest)
     } else {
         0.0
     };
     let bin_of = |stored: f64| {
         let value = rescale.slope * stored + rescale.intercept;
-        (((value - lowest) * bins_per_value) as usize).min(BINS - 1)
+        (((value - lowest) * bins_per_value) as usize).min(bins - 1)
     };
     match volume.voxels() {
-        Voxels::U8(v) => count(v, bin_of),
-        Voxels::I8(v) => count(v, bin_of),
-        Voxels::U16(v) => count(v, bin_of),
-        Voxels::I16(v) => count(v, bin_of),
-        Voxels::F32(v) => count(v, bin_of),
+        Voxels::U8(v) => count(v, bins, bin_of),
+        Voxels::I8(v) => count(v, bins, bin_of),
+        Voxels::U16(v) => count(v, bins, bin_of),
+        Voxels::I16(v) => count(v, bins, bin_of),
+        Voxels::F32(v) => count(v, bins, bin_of),
     }
 }
 
 fn count<T: Copy + Into<f64> + Sync>(
     voxels: &[T],
+    bins: usize,
     bin_of: impl Fn(f64) -> usize + Sync,
 ) -> Vec<u64> {
     voxels
         .par_chunks(1 << 18)
         .map(|chunk| {
-            let mut counts = vec![0u64; BINS];
+            let mut counts = vec![0u64; bins];
             for &voxel in chunk {
                 counts[bin_of(voxel.into())] += 1;
             }
             counts
         })
         .reduce(
-            || vec![0; BINS],
+            || vec![0; bins],
             |mut sum, part| {
                 sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
                 sum
@@ -100,11 +109,19 @@ fn count<T: Copy + Into<f64> + Sync>(
 /// First bin above the background: above the highest peak of the darker half, once the counts have fallen to
 /// [`BACKGROUND_END`] of it. 0 when the peak lies in the brighter half, or nothing lies above.
 fn background_end(counts: &[u64]) -> usize {
-    let Some((peak, &height)) = counts.iter().enumerate().max_by_key(|(_, n)| **n) else {
+    let smooth: Vec<f64> = (0..counts.len())
+        .map(|bin| {
+            let last = (bin + SMOOTHING).min(counts.len() - 1);
+            let window = &counts[bin.saturating_sub(SMOOTHING)..=last];
+            window.iter().sum::<u64>() as f64 / window.len() as f64
+        })
+        .collect();
+    let highest = smooth.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
+    let Some((peak, &height)) = highest else {
         return 0;
     };
     let end = (peak + 1..counts.len())
-        .find(|&bin| (counts[bin] as f64) <= BACKGROUND_END * height as f64)
+        .find(|&bin| smooth[bin] <= BACKGROUND_END * height)
         .unwrap_or(counts.len());
     let above: u64 = counts[end..].iter().sum();
     if peak >= counts.len() / 2 || above == 0 {

@@ -79,6 +79,7 @@ pub struct VolumeSource {
 #[serde(deny_unknown_fields)]
 pub struct RawDescription {
     /// Voxels on x, y, z; x is fastest in the file.
+    #[schemars(inner(range(min = 2)))]
     pub size: [u32; 3],
     /// Voxel type.
     #[serde(rename = "type")]

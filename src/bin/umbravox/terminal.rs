@@ -46,7 +46,7 @@ pub(crate) fn report_usage<'a>(message: impl Iterator<Item = &'a str>) -> ExitCo
 
 fn print_error<'a>(lines: impl Iterator<Item = &'a str>) {
     let words: Vec<&str> = lines.map(str::trim).filter(|l| !l.is_empty()).collect();
-    let message = words.join(" ");
+    let message = words.join(" ").replace(" tip: ", "; ");
     let message = message.strip_prefix("error: ").unwrap_or(&message);
     // With stderr closed there is nobody to tell; the exit status still says it.
     let _ = writeln!(io::stderr(), "error: {message}");

@@ -188,8 +188,12 @@ fn describe(schema: &Value) -> String {
         return format!("{}{listed}", if several { "one of " } else { "" });
     }
     if let Some(choices) = alternatives(schema) {
-        let mut words: Vec<String> = choices.iter().map(describe).collect();
-        words.dedup();
+        let variants = choices.iter().filter(|choice| tag_of(choice).is_string());
+        let tags = names(variants.map(tag_of));
+        if !tags.is_empty() {
+            return format!("an object whose \"type\" is one of {tags}");
+        }
+        let words: Vec<String> = choices.iter().map(describe).collect();
         return words.join(" or ");
     }
     let words: Vec<String> = types(schema).map(|t| describe_type(t, schema)).collect();
@@ -206,13 +210,7 @@ fn describe_type(name: &str, schema: &Value) -> String {
         },
         "boolean" => "true or false".into(),
         "string" => "a string".into(),
-        "array" => {
-            let item = describe(&schema["items"]);
-            match schema["minItems"].as_u64() {
-                Some(count) => format!("a list of {count}, each {item}"),
-                None => format!("a list, each item {item}"),
-            }
-        }
+        "array" => describe_list(schema),
         "object" => match schema["properties"].as_object() {
             Some(properties) => {
                 let keys: Vec<&str> = properties.keys().map(String::as_str).collect();
@@ -221,6 +219,18 @@ fn describe_type(name: &str, schema: &Value) -> String {
             None => "an object".into(),
         },
         other => other.into(),
+    }
+}
+
+fn describe_list(schema: &Value) -> String {
+    let item = describe(&schema["items"]);
+    let count = schema["minItems"].as_u64();
+    let count = count.map(|count| format!("{count} ")).unwrap_or_default();
+    match item.strip_prefix("a ") {
+        Some(one) if one.contains("number") => {
+            format!("a list of {count}{}", one.replacen("number", "numbers", 1))
+        }
+        _ => format!("a list of {count}items, each {item}"),
     }
 }
 
@@ -250,10 +260,11 @@ fn has_type(value: &Value, name: &str) -> bool {
 
 /// Upper bound of an integer; schemars states that of 32 bits by `format` alone.
 fn largest(schema: &Value) -> Option<f64> {
-    match schema["format"].as_str() {
+    let of_format = match schema["format"].as_str() {
         Some("uint32") => Some(f64::from(u32::MAX)),
-        _ => schema["maximum"].as_f64(),
-    }
+        _ => None,
+    };
+    schema["maximum"].as_f64().or(of_format)
 }
 
 fn names<'a>(values: impl Iterator<Item = &'a Value>) -> String {

@@ -1,11 +1,18 @@
 //! Volume renderer on raw Vulkan compute.
 
+mod atlas;
+pub mod embed;
 pub mod error;
-#[expect(dead_code, reason = "being written")]
 pub mod gpu;
+pub mod headless;
 pub mod io;
+#[cfg(feature = "image-io")]
+pub mod output;
+mod pass;
+pub mod picture;
 #[cfg(feature = "reference")]
 pub mod reference;
+pub mod renderer;
 pub mod scene;
 #[doc(hidden)] // reached by tests/shaders.rs; not part of the API
 pub mod shader;

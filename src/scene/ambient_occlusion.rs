@@ -3,13 +3,14 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::DirectionSet;
+use super::{DirectionSet, MAX_RAYS};
 
 /// Local ambient occlusion. Lengths are in voxels of the finest level (smallest spacing), isotropic in mm.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct AmbientOcclusion {
     /// Directions, >= 1. Subdivided solids give at least as many. Default 32.
+    #[schemars(range(min = 1, max = MAX_RAYS))]
     pub rays: u32,
     /// Radius of the sphere, > offset. Default 16.
     pub radius: f64,

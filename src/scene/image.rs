@@ -3,19 +3,21 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::ColorManagement;
+use super::{ColorManagement, MAX_IMAGE_SIZE};
 
 /// The picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Image {
     /// Width and height, pixels. Default 512 x 512.
+    #[schemars(inner(range(min = 1, max = MAX_IMAGE_SIZE)))]
     pub size: [u32; 2],
     /// Colour behind the volume, display values in [0,1]. Default black.
     pub background: [f64; 3],
     /// Default "linear".
     pub color_management: ColorManagement,
     /// Bits per channel of PNG output, 8 or 16. Default 8.
+    #[schemars(extend("enum" = [8, 16]))]
     pub png_bits: u8,
     /// Accumulated opacity above which a ray's depth is taken, in (0,1]. Default 0.05.
     pub depth_threshold: f64,

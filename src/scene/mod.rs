@@ -3,14 +3,19 @@
 //! Every struct here is both the scene file's JSON (unknown keys are errors) and the library's settings.
 
 mod ambient_occlusion;
+mod automatic;
 mod camera;
 mod color;
 mod directions;
 mod image;
 mod lighting;
 mod march;
+mod parse;
+mod presets;
+mod schema;
 mod storage;
 mod transfer_function;
+mod validate;
 
 pub use ambient_occlusion::AmbientOcclusion;
 pub use camera::{Camera, Projection, View};
@@ -19,8 +24,12 @@ pub use directions::{DirectionSet, directions};
 pub use image::Image;
 pub use lighting::{Lighting, OpticalModel, Shading};
 pub use march::{Classification, Interpolation, March};
+pub use parse::{Override, is_scene_file};
+pub use presets::{PRESETS, Preset};
+pub use schema::schema;
 pub use storage::Storage;
 pub use transfer_function::{ControlPoint, Curve, CurvePoint, Optical, TransferFunction};
+pub use validate::{MAX_IMAGE_SIZE, MAX_RAYS, MAX_SAMPLES_PER_RAY, MIN_STEP};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -70,6 +79,7 @@ pub struct VolumeSource {
 #[serde(deny_unknown_fields)]
 pub struct RawDescription {
     /// Voxels on x, y, z; x is fastest in the file.
+    #[schemars(inner(range(min = 2)))]
     pub size: [u32; 3],
     /// Voxel type.
     #[serde(rename = "type")]

@@ -3,7 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::ColorManagement;
+use super::{ColorManagement, automatic, presets};
+use crate::error::Result;
+use crate::volume::Volume;
 
 /// One control point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -24,7 +26,7 @@ pub struct ControlPoint {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TransferFunction {
-    /// Length that opacities refer to, mm, > 0. Default 1.
+    /// Length that opacities refer to, mm, > 0. Default 1 with `points`, else the smallest spacing of the volume.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit_distance: Option<f64>,
     /// Control points, by value ascending; two of equal value make a jump.
@@ -33,6 +35,23 @@ pub struct TransferFunction {
     /// A built-in function, in place of `points`. With neither, one is chosen for what the file holds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
+}
+
+impl TransferFunction {
+    /// Explicit points, the named preset, or one chosen for what `volume` holds, with colours decoded.
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] as [`TransferFunction::validate`].
+    pub fn curve(&self, volume: &Volume, colors: ColorManagement) -> Result<Curve> {
+        self.validate()?;
+        let (points, default_unit) = match (&self.points, &self.preset) {
+            (Some(points), _) => (points.clone(), 1.0),
+            (None, Some(name)) => (presets::find(name)?.control_points(), volume.min_spacing()),
+            (None, None) => (automatic::control_points(volume)?, volume.min_spacing()),
+        };
+        let unit_distance = self.unit_distance.unwrap_or(default_unit);
+        Ok(Curve::new(unit_distance, &points, colors))
+    }
 }
 
 /// What the transfer function says of a value; colours linear (decoded).

@@ -4,9 +4,13 @@
 //! axis, and nothing is sampled outside. Index space (`_ix`) counts voxels: voxel `(i,j,k)` sits at `(i,j,k)`.
 //! World space (`_ws`) is patient/physical space in millimetres, LPS.
 
+<<<<<<< HEAD
 mod summary;
 
 pub use summary::{HISTOGRAM_BINS, Histogram, Percentiles, Summary};
+=======
+pub mod summary;
+>>>>>>> cli
 
 use glam::{DAffine3, DVec3};
 

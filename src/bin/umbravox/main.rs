@@ -1,3 +1,49 @@
 //! The `umbravox` program.
 
-fn main() {}
+mod args;
+mod bench;
+mod devices;
+mod info;
+mod input;
+mod light;
+mod progress;
+mod render;
+mod series;
+mod terminal;
+
+use std::process::ExitCode;
+
+use peak_alloc::PeakAlloc;
+
+use args::Command;
+
+/// Counts host memory, for `memory.host_peak_bytes` of the statistics.
+#[global_allocator]
+static ALLOCATOR: PeakAlloc = PeakAlloc;
+
+fn main() -> ExitCode {
+    let cli = match args::parse() {
+        Ok(cli) => cli,
+        Err(status) => return status,
+    };
+    terminal::log_to_stderr(cli.verbose);
+    let result = match &cli.command {
+        Command::Render(args) => render::run(args),
+        Command::Info(args) => info::run(args),
+        Command::Light(args) => light::run(args),
+        Command::Bench(args) => bench::run(args),
+        Command::Devices(args) => devices::run(args),
+        Command::Schema => terminal::print_json(&umbravox::scene::schema()),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => terminal::report(&error),
+    }
+}
+
+/// Statistics of a session, with what only the program knows.
+fn stats_of(session: &umbravox::headless::Session) -> umbravox::headless::Stats {
+    let mut stats = session.stats();
+    stats.memory.host_peak_bytes = ALLOCATOR.peak_usage() as u64;
+    stats
+}

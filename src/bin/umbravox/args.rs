@@ -1,0 +1,165 @@
+//! The command line.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::error::ErrorKind;
+use clap::{ArgAction, Args, Parser, Subcommand, value_parser};
+use umbravox::headless;
+
+use crate::terminal;
+
+/// Volume renderer on Vulkan compute.
+#[derive(Parser)]
+#[command(version, about)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    /// Log more to stderr; twice: still more.
+    #[arg(short, long, action = ArgAction::Count, global = true)]
+    pub(crate) verbose: u8,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum Command {
+    /// Render a scene, or a volume with a camera, transfer function and light that suit it.
+    Render(RenderArgs),
+    /// Tell what a volume holds.
+    Info(InfoArgs),
+    /// Export the light volume of local ambient occlusion.
+    Light(LightArgs),
+    /// Time frames of an orbit.
+    Bench(BenchArgs),
+    /// List Vulkan devices, and why each is or is not usable.
+    Devices(DevicesArgs),
+    /// Print the JSON Schema of the scene file.
+    Schema,
+}
+
+#[derive(Args)]
+pub(crate) struct RenderArgs {
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
+    /// Picture to write, .png or .exr; may be repeated. A number pattern (frame_%04d.png) gets one picture for each
+    /// direction of ambient occlusion, as the light refines.
+    #[arg(short, long = "output", value_name = "FILE", required = true)]
+    pub(crate) outputs: Vec<PathBuf>,
+    /// Statistics to write, JSON.
+    #[arg(long, value_name = "STATS.json")]
+    pub(crate) stats: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
+}
+
+#[derive(Args)]
+pub(crate) struct InfoArgs {
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
+    /// Print JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct LightArgs {
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
+    /// Light volume to write, .nrrd: float RGBA on the full grid.
+    #[arg(short, long, value_name = "LIGHT.nrrd")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
+}
+
+#[derive(Args)]
+pub(crate) struct BenchArgs {
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
+    /// Frames to time.
+    #[arg(long, default_value_t = 20, value_parser = value_parser!(u32).range(1..=1_000_000))]
+    pub(crate) frames: u32,
+    /// Frames before those.
+    #[arg(long, default_value_t = 3)]
+    pub(crate) warmup: u32,
+    /// Degrees that the camera turns about the volume from frame to frame.
+    #[arg(long, default_value_t = 5.0, value_name = "DEGREES", value_parser = finite, allow_negative_numbers = true)]
+    pub(crate) orbit: f64,
+    /// Print JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
+}
+
+#[derive(Args)]
+pub(crate) struct DevicesArgs {
+    /// Print JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// A scene or volume, and changes to the scene.
+#[derive(Args)]
+pub(crate) struct InputArgs {
+    /// Scene file, or volume (file, or folder of slices).
+    #[arg(value_name = "SCENE.json|VOLUME")]
+    pub(crate) path: PathBuf,
+    /// Change the scene, as in march.step=0.25; may be repeated. The value is JSON, or else a string.
+    #[arg(long = "set", value_name = "JSON.POINTER=VALUE")]
+    pub(crate) overrides: Vec<String>,
+}
+
+#[derive(Args)]
+pub(crate) struct DeviceArgs {
+    /// Device to render on, as `umbravox devices` lists them.
+    #[arg(long, value_name = "NAME|INDEX")]
+    device: Option<String>,
+    /// Neither read nor write the cache of compiled pipelines.
+    #[arg(long)]
+    no_pipeline_cache: bool,
+    /// Turn on Vulkan validation.
+    #[arg(long)]
+    validation: bool,
+    /// Edge of the tiles that a picture is rendered in, pixels; changes no pixel.
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..))]
+    tile: Option<u32>,
+}
+
+impl DeviceArgs {
+    pub(crate) fn options(&self) -> headless::Options {
+        headless::Options {
+            device: self.device.clone(),
+            validation: self.validation,
+            pipeline_cache: !self.no_pipeline_cache,
+            tile: self.tile,
+        }
+    }
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err("give a finite number".into()),
+    }
+}
+
+/// Parses the command line; help and mistakes are printed here.
+///
+/// # Errors
+/// The exit status, when there is nothing left to do.
+pub(crate) fn parse() -> Result<Cli, ExitCode> {
+    Cli::try_parse().map_err(|error| match error.kind() {
+        ErrorKind::DisplayHelp
+        | ErrorKind::DisplayVersion
+        | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            // Help that cannot be printed leaves nobody to tell.
+            let _ = error.print();
+            ExitCode::from(error.exit_code() as u8)
+        }
+        _ => {
+            let text = error.to_string();
+            let message = text.lines().take_while(|line| !line.starts_with("Usage:"));
+            terminal::report_usage(message)
+        }
+    })
+}

@@ -1,0 +1,33 @@
+//! `umbravox light`.
+
+use umbravox::headless::Headless;
+use umbravox::{Error, Result, output};
+
+use crate::args::LightArgs;
+use crate::{input, progress};
+
+pub(crate) fn run(args: &LightArgs) -> Result<()> {
+    let extension = args.output.extension().unwrap_or_default();
+    if !extension.eq_ignore_ascii_case("nrrd") {
+        return Err(Error::invalid(
+            args.output.display().to_string(),
+            format!("extension {extension:?} is not a light volume format; give .nrrd"),
+        ));
+    }
+    output::check_place(&args.output)?;
+    let scene = input::read_scene(&args.input)?;
+    if scene.ambient_occlusion.is_none() {
+        return Err(Error::invalid(
+            "ambient_occlusion",
+            "is off, so there is no light volume; turn it on, as with --set ambient_occlusion.rays=32",
+        ));
+    }
+    input::check_output(&args.output, &args.input, &scene)?;
+    let volume = input::read_volume(&scene)?;
+    let world_from_ix = volume.world_from_ix();
+    let headless = Headless::new(&args.device.options())?;
+    let mut session = headless.load(volume, &scene)?;
+    progress::complete_light(&mut session, |_, _| Ok(()))?;
+    let light = session.light_volume()?;
+    output::write_light(&args.output, light.size, &light.rgba, world_from_ix)
+}

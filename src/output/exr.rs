@@ -1,0 +1,69 @@
+//! OpenEXR: linear radiance and layers of data, one part, 32-bit float.
+
+use std::path::Path;
+
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Layer, LayerAttributes, Text, WritableImage,
+    attribute::AttributeValue,
+};
+
+use super::{Provenance, atomic};
+use crate::error::{Error, Result};
+use crate::picture::Picture;
+use crate::scene;
+
+pub(super) fn write(
+    path: &Path,
+    picture: &Picture,
+    settings: &scene::Image,
+    provenance: Provenance,
+) -> Result<()> {
+    let mut attributes = LayerAttributes::default();
+    for (keyword, text) in provenance {
+        // Text that an EXR attribute cannot hold is left out: the picture is worth more than its label.
+        if let (Some(name), Some(text)) = (Text::new_or_none(keyword), Text::new_or_none(text)) {
+            attributes.other.insert(name, AttributeValue::Text(text));
+        }
+    }
+    let [width, height] = picture.size.map(|n| n as usize);
+    let layer = Layer::new(
+        (width, height),
+        attributes,
+        Encoding::SMALL_LOSSLESS,
+        channels(picture, settings),
+    );
+    let image = exr::image::Image::from_layer(layer);
+    atomic::write(path, |file| {
+        image.write().to_buffered(file).map_err(|e| match e {
+            exr::error::Error::Io(source) => Error::io(path, source),
+            other => Error::Encode {
+                path: path.to_path_buf(),
+                message: other.to_string(),
+            },
+        })
+    })
+}
+
+fn channels(picture: &Picture, settings: &scene::Image) -> AnyChannels<FlatSamples> {
+    let background = settings.color_management.decode(settings.background);
+    let radiance = |axis: usize| {
+        let channel = picture.over(background).map(|c| c[axis] as f32);
+        channel.collect::<Vec<f32>>()
+    };
+    let opacity: Vec<f32> = picture.rgba.iter().map(|p| p[3]).collect();
+    // Exact up to 2^24 samples a ray; some readers want one type for all channels.
+    let samples = picture.samples.iter().map(|&n| n as f32).collect();
+    let list = [
+        ("R", radiance(0)),
+        ("G", radiance(1)),
+        ("B", radiance(2)),
+        ("A", opacity.clone()),
+        ("depth.Z", picture.depth.clone()),
+        ("opacity.Y", opacity),
+        ("samples.Y", samples),
+    ];
+    let channels = list
+        .into_iter()
+        .map(|(name, values)| AnyChannel::new(name, FlatSamples::F32(values)));
+    AnyChannels::sort(channels.collect())
+}

@@ -1,0 +1,109 @@
+//! Pictures and light volumes to files: PNG, EXR, NRRD.
+//!
+//! Every file appears whole or not at all: it is written beside its place under another name, then renamed.
+
+mod atomic;
+mod exr;
+mod nrrd;
+mod png;
+
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+use crate::picture::Picture;
+use crate::scene::Image;
+
+pub use atomic::write_bytes;
+pub use nrrd::write_light;
+
+/// Where a picture came from, as keyword and text; goes into the file's metadata.
+pub type Provenance<'a> = &'a [(&'a str, String)];
+
+/// Picture formats, chosen by extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Png,
+    Exr,
+}
+
+/// A picture file to be, checked before anything is rendered.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Target {
+    path: PathBuf,
+    format: Format,
+}
+
+impl Target {
+    /// Checks extension and folder.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when the extension is neither `.png` nor `.exr`, the folder does not exist, or the path
+    /// is a folder.
+    pub fn new(path: impl Into<PathBuf>) -> Result<Self> {
+        let path = path.into();
+        let extension = path.extension().unwrap_or_default();
+        let format = if extension.eq_ignore_ascii_case("png") {
+            Format::Png
+        } else if extension.eq_ignore_ascii_case("exr") {
+            Format::Exr
+        } else {
+            return Err(Error::invalid(
+                path.display().to_string(),
+                format!("extension {extension:?} is not a picture format; give .png or .exr"),
+            ));
+        };
+        check_place(&path)?;
+        Ok(Self { path, format })
+    }
+
+    /// Where it goes.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Composites over `image.background`, encodes and writes.
+    ///
+    /// # Errors
+    /// [`Error::Io`] or [`Error::Encode`]; the file is then not there (or as it was before).
+    pub fn write(&self, picture: &Picture, image: &Image, provenance: Provenance) -> Result<()> {
+        match self.format {
+            Format::Png => png::write(&self.path, picture, image, provenance),
+            Format::Exr => exr::write(&self.path, picture, image, provenance),
+        }
+    }
+}
+
+/// [`Target::new`] and [`Target::write`] in one.
+///
+/// # Errors
+/// As those two.
+pub fn write(path: &Path, picture: &Picture, image: &Image, provenance: Provenance) -> Result<()> {
+    Target::new(path)?.write(picture, image, provenance)
+}
+
+/// Checks that a file can be put at `path`: its folder exists, and it is not a folder itself.
+///
+/// # Errors
+/// [`Error::Invalid`].
+pub fn check_place(path: &Path) -> Result<()> {
+    let at = || path.display().to_string();
+    if path.is_dir() {
+        return Err(Error::invalid(at(), "is a folder; give a file name"));
+    }
+    if path.file_name().is_none() {
+        return Err(Error::invalid(at(), "is not a file name"));
+    }
+    let folder = folder_of(path);
+    if folder.is_dir() {
+        return Ok(());
+    }
+    let message = format!("there is no folder {}; create it first", folder.display());
+    Err(Error::invalid(at(), message))
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}

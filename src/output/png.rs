@@ -1,0 +1,89 @@
+//! PNG: opaque RGB, 8 or 16 bits per channel.
+
+use std::io::{Cursor, Write};
+use std::path::Path;
+
+use image::{ExtendedColorType, ImageEncoder, ImageError, codecs::png::PngEncoder};
+
+use super::{Provenance, atomic};
+use crate::error::{Error, Result};
+use crate::picture::Picture;
+use crate::scene::{ColorManagement, Image};
+
+/// Bytes of the signature and of IHDR, which comes first and has a fixed size (PNG 1.2, sections 3.1 and 4.1.1).
+const HEADER_BYTES: usize = 8 + 25;
+
+pub(super) fn write(
+    path: &Path,
+    picture: &Picture,
+    image: &Image,
+    provenance: Provenance,
+) -> Result<()> {
+    let encoded = encode(picture, image).map_err(|e| match e {
+        ImageError::IoError(source) => Error::io(path, source),
+        other => Error::Encode {
+            path: path.to_path_buf(),
+            message: other.to_string(),
+        },
+    })?;
+    let (header, body) = encoded.split_at(HEADER_BYTES.min(encoded.len()));
+    let metadata = metadata(image.color_management, provenance);
+    atomic::write(path, |file| {
+        [header, &metadata, body]
+            .into_iter()
+            .try_for_each(|part| file.write_all(part))
+            .map_err(|e| Error::io(path, e))
+    })
+}
+
+fn encode(picture: &Picture, image: &Image) -> Result<Vec<u8>, ImageError> {
+    let background = image.color_management.decode(image.background);
+    let display = picture
+        .over(background)
+        .flat_map(|linear| image.color_management.encode(linear));
+    // `as` saturates; adding one half before it rounds to nearest.
+    let (color_type, samples): (_, Vec<u8>) = if image.png_bits == 16 {
+        let quantized = display.map(|c| (c * 65_535.0 + 0.5) as u16);
+        // The encoder takes 16-bit samples in the machine's byte order.
+        let bytes = quantized.flat_map(u16::to_ne_bytes).collect();
+        (ExtendedColorType::Rgb16, bytes)
+    } else {
+        let quantized = display.map(|c| (c * 255.0 + 0.5) as u8);
+        (ExtendedColorType::Rgb8, quantized.collect())
+    };
+    let [width, height] = picture.size;
+    let mut encoded = Cursor::new(Vec::new());
+    PngEncoder::new(&mut encoded).write_image(&samples, width, height, color_type)?;
+    Ok(encoded.into_inner())
+}
+
+/// The chunks that `image` does not write: colour space and text.
+fn metadata(colors: ColorManagement, provenance: Provenance) -> Vec<u8> {
+    let mut chunks = Vec::new();
+    if colors == ColorManagement::Linear {
+        const PERCEPTUAL_INTENT: u8 = 0;
+        push_chunk(&mut chunks, b"sRGB", &[PERCEPTUAL_INTENT]);
+    }
+    for (keyword, text) in provenance {
+        if text.is_ascii() {
+            let content = [keyword.as_bytes(), b"\0", text.as_bytes()].concat();
+            push_chunk(&mut chunks, b"tEXt", &content);
+        } else {
+            // tEXt is Latin-1. iTXt is UTF-8: not compressed, no language, no translated keyword.
+            let content = [keyword.as_bytes(), b"\0\0\0\0\0", text.as_bytes()].concat();
+            push_chunk(&mut chunks, b"iTXt", &content);
+        }
+    }
+    chunks
+}
+
+/// Length, type, content, CRC-32 of type and content (PNG 1.2, section 3.2).
+fn push_chunk(chunks: &mut Vec<u8>, kind: &[u8; 4], content: &[u8]) {
+    let mut crc = flate2::Crc::new();
+    crc.update(kind);
+    crc.update(content);
+    chunks.extend((content.len() as u32).to_be_bytes());
+    chunks.extend(kind);
+    chunks.extend(content);
+    chunks.extend(crc.sum().to_be_bytes());
+}

@@ -1,0 +1,29 @@
+//! The scene file's JSON Schema (draft 2020-12).
+
+use std::sync::OnceLock;
+
+use schemars::generate::SchemaSettings;
+use serde_json::Value;
+
+use super::Scene;
+
+/// JSON Schema of the scene file, with descriptions and defaults. Ranges stand in the descriptions;
+/// [`Scene::validate`] enforces them.
+pub fn schema() -> Value {
+    SchemaSettings::draft2020_12()
+        .into_generator()
+        .into_root_schema_for::<Scene>()
+        .to_value()
+}
+
+/// The same without references, for walking along with a value.
+pub(super) fn inlined() -> &'static Value {
+    static INLINED: OnceLock<Value> = OnceLock::new();
+    INLINED.get_or_init(|| {
+        SchemaSettings::draft2020_12()
+            .with(|settings| settings.inline_subschemas = true)
+            .into_generator()
+            .into_root_schema_for::<Scene>()
+            .to_value()
+    })
+}

@@ -1,0 +1,328 @@
+//! Ranges of everything in a scene that does not need the volume.
+
+use std::fmt::Debug;
+
+use super::{
+    AmbientOcclusion, Image, Lighting, March, RawDescription, Scene, Storage, TransferFunction,
+};
+use crate::error::{Error, Result};
+
+/// Largest width or height of a picture, pixels.
+pub const MAX_IMAGE_SIZE: u32 = 16_384;
+/// Shortest march or ambient occlusion step, voxels.
+pub const MIN_STEP: f64 = 0.001;
+/// Most directions of ambient occlusion.
+pub const MAX_RAYS: u32 = 65_536;
+/// Most samples on one ambient occlusion ray.
+pub const MAX_SAMPLES_PER_RAY: u32 = 65_536;
+
+impl Scene {
+    /// Checks every range. What parses from a scene file has passed; call it on a scene that code has put together.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming the first key that is out of range, its value and what would be valid.
+    pub fn validate(&self) -> Result<()> {
+        if self.volume.path.as_os_str().is_empty() {
+            return Err(Error::invalid(
+                "volume.path",
+                "empty; give a file or folder",
+            ));
+        }
+        if let Some(raw) = &self.volume.raw {
+            check_raw(raw)?;
+        }
+        self.camera.validate()?;
+        check_image(&self.image)?;
+        self.transfer_function.validate()?;
+        check_march(&self.march)?;
+        check_lighting(&self.lighting)?;
+        if let Some(occlusion) = &self.ambient_occlusion {
+            check_occlusion(occlusion)?;
+        }
+        check_storage(&self.storage)
+    }
+}
+
+/// An error naming `value` and what is wanted unless `valid`.
+pub(super) fn require(valid: bool, at: &str, value: impl Debug, wanted: &str) -> Result<()> {
+    if valid {
+        return Ok(());
+    }
+    let message = format!("{value:?} is not valid; give {wanted}");
+    Err(Error::invalid(at, message))
+}
+
+/// Finite in the single precision of the device.
+pub(super) fn finite(value: f64) -> bool {
+    value.abs() <= f64::from(f32::MAX)
+}
+
+pub(super) fn all_finite(values: [f64; 3]) -> bool {
+    values.into_iter().all(finite)
+}
+
+/// Positive, and neither infinite nor zero in the single precision of the device.
+pub(super) fn positive(value: f64) -> bool {
+    finite(value) && value >= f64::from(f32::MIN_POSITIVE)
+}
+
+pub(super) fn is_share(value: f64) -> bool {
+    (0.0..=1.0).contains(&value)
+}
+
+fn positive_share(value: f64) -> bool {
+    value > 0.0 && value <= 1.0
+}
+
+fn not_negative(value: f64) -> bool {
+    finite(value) && value >= 0.0
+}
+
+/// A step length in voxels.
+fn check_step(at: &str, step: f64) -> Result<()> {
+    require(positive(step), at, Number(step), "a number > 0 (voxels)")?;
+    let wanted = format!("a number >= {MIN_STEP} (voxels)");
+    require(step >= MIN_STEP, at, Number(step), &wanted)
+}
+
+/// Prints as JSON would: `0`, not `0.0`.
+pub(super) struct Number(pub(super) f64);
+
+impl Debug for Number {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(f, "{}", self.0)
+    }
+}
+
+/// Prints as JSON would: `[0, 0.5, 1]`.
+pub(super) fn numbers(values: [f64; 3]) -> [Number; 3] {
+    values.map(Number)
+}
+
+fn check_raw(raw: &RawDescription) -> Result<()> {
+    require(
+        raw.size.iter().all(|&n| n >= crate::volume::MIN_SIZE),
+        "volume.raw.size",
+        raw.size,
+        "three whole numbers >= 2 (voxels on x, y, z)",
+    )?;
+    require(
+        raw.spacing.into_iter().all(positive),
+        "volume.raw.spacing",
+        numbers(raw.spacing),
+        "three numbers > 0 (mm)",
+    )
+}
+
+fn check_image(image: &Image) -> Result<()> {
+    require(
+        image.size.iter().all(|n| (1..=MAX_IMAGE_SIZE).contains(n)),
+        "image.size",
+        image.size,
+        &format!("width and height from 1 to {MAX_IMAGE_SIZE} (pixels)"),
+    )?;
+    require(
+        image.background.into_iter().all(is_share),
+        "image.background",
+        numbers(image.background),
+        "three numbers from 0 to 1",
+    )?;
+    require(
+        matches!(image.png_bits, 8 | 16),
+        "image.png_bits",
+        image.png_bits,
+        "8 or 16",
+    )?;
+    require(
+        positive_share(image.depth_threshold),
+        "image.depth_threshold",
+        Number(image.depth_threshold),
+        "a number > 0 and <= 1",
+    )
+}
+
+fn check_march(march: &March) -> Result<()> {
+    check_step("march.step", march.step)?;
+    require(
+        positive_share(march.early_termination),
+        "march.early_termination",
+        Number(march.early_termination),
+        "a number > 0 and <= 1 (opacity; 1: never early)",
+    )
+}
+
+fn check_lighting(lighting: &Lighting) -> Result<()> {
+    if let Some(direction) = lighting.direction {
+        check_direction("lighting.direction", direction)?;
+    }
+    for (at, share) in [
+        ("lighting.ambient", lighting.ambient),
+        ("lighting.diffuse", lighting.diffuse),
+    ] {
+        require(not_negative(share), at, Number(share), "a number >= 0")?;
+    }
+    Ok(())
+}
+
+fn check_direction(at: &str, direction: [f64; 3]) -> Result<()> {
+    require(
+        all_finite(direction) && direction.into_iter().any(|x| positive(x.abs())),
+        at,
+        numbers(direction),
+        "three finite numbers, not all 0 (towards the light)",
+    )
+}
+
+fn check_occlusion(ao: &AmbientOcclusion) -> Result<()> {
+    let at = |key: &str| format!("ambient_occlusion.{key}");
+    require(
+        (1..=MAX_RAYS).contains(&ao.rays),
+        &at("rays"),
+        ao.rays,
+        &format!("a whole number from 1 to {MAX_RAYS}"),
+    )?;
+    require(
+        not_negative(ao.offset),
+        &at("offset"),
+        Number(ao.offset),
+        "a number >= 0 (voxels)",
+    )?;
+    require(
+        finite(ao.radius) && ao.radius > ao.offset,
+        &at("radius"),
+        Number(ao.radius),
+        &format!("a number > offset, {} (voxels)", ao.offset),
+    )?;
+    check_step(&at("step"), ao.step)?;
+    require(
+        ao.samples_per_ray() <= MAX_SAMPLES_PER_RAY,
+        &at("step"),
+        Number(ao.step),
+        &format!(
+            "a number >= {} (voxels): a ray takes {MAX_SAMPLES_PER_RAY} samples at most",
+            (ao.radius - ao.offset) / f64::from(MAX_SAMPLES_PER_RAY)
+        ),
+    )?;
+    require(
+        not_negative(ao.gamma),
+        &at("gamma"),
+        Number(ao.gamma),
+        "a number >= 0",
+    )?;
+    require(
+        not_negative(ao.bias),
+        &at("bias"),
+        Number(ao.bias),
+        "a number >= 0",
+    )?;
+    if let Some(directions) = &ao.explicit_directions {
+        require(
+            (1..=MAX_RAYS as usize).contains(&directions.len()),
+            &at("explicit_directions"),
+            format_args!("a list of {}", directions.len()),
+            &format!("1 to {MAX_RAYS} directions"),
+        )?;
+        for (i, &direction) in directions.iter().enumerate() {
+            check_direction(&at(&format!("explicit_directions.{i}")), direction)?;
+        }
+    }
+    let Some(weights) = &ao.weights else {
+        return Ok(());
+    };
+    for (i, &weight) in weights.iter().enumerate() {
+        let at = at(&format!("weights.{i}"));
+        require(
+            is_share(weight),
+            &at,
+            Number(weight),
+            "a number from 0 to 1",
+        )?;
+    }
+    let count = ao.weighted_directions().len();
+    require(
+        weights.len() == count,
+        &at("weights"),
+        format_args!("a list of {}", weights.len()),
+        &format!("{count} numbers, one for each direction, or null"),
+    )
+}
+
+fn check_storage(storage: &Storage) -> Result<()> {
+    require(
+        finite(storage.data_reduction) && storage.data_reduction >= 1.0,
+        "storage.data_reduction",
+        Number(storage.data_reduction),
+        "a number >= 1 (voxels of the volume per voxel kept)",
+    )?;
+    require(
+        positive(storage.memory_budget_mib),
+        "storage.memory_budget_mib",
+        Number(storage.memory_budget_mib),
+        "a number > 0 (MiB)",
+    )
+}
+
+impl TransferFunction {
+    /// Checks what does not need the volume.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming the key that is wrong.
+    pub fn validate(&self) -> Result<()> {
+        if let Some(unit) = self.unit_distance {
+            let at = "transfer_function.unit_distance";
+            require(positive(unit), at, Number(unit), "a number > 0 (mm)")?;
+        }
+        if let Some(name) = &self.preset {
+            if self.points.is_some() {
+                return Err(Error::invalid(
+                    "transfer_function",
+                    "has both \"points\" and \"preset\"; give one of them, or neither for an automatic one",
+                ));
+            }
+            super::presets::find(name)?;
+        }
+        let points = self.points.as_deref();
+        if points.is_some_and(<[_]>::is_empty) {
+            return Err(Error::invalid(
+                "transfer_function.points",
+                "empty; give at least one control point",
+            ));
+        }
+        let mut previous = f64::NEG_INFINITY;
+        for (i, point) in points.unwrap_or_default().iter().enumerate() {
+            let at = |key: &str| format!("transfer_function.points.{i}.{key}");
+            require(
+                finite(point.value),
+                &at("value"),
+                Number(point.value),
+                "a finite number",
+            )?;
+            require(
+                point.value >= previous,
+                &at("value"),
+                Number(point.value),
+                &format!("a number >= {previous}, the value of the point before: points ascend"),
+            )?;
+            previous = point.value;
+            require(
+                point.color.into_iter().all(is_share),
+                &at("color"),
+                numbers(point.color),
+                "three numbers from 0 to 1",
+            )?;
+            require(
+                is_share(point.opacity),
+                &at("opacity"),
+                Number(point.opacity),
+                "a number from 0 to 1",
+            )?;
+            require(
+                point.emission.into_iter().all(not_negative),
+                &at("emission"),
+                numbers(point.emission),
+                "three finite numbers >= 0",
+            )?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,556 @@
+//! The program: commands, exit status, messages, files.
+#![cfg(feature = "cli")]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+/// A folder with a small volume and a scene for it.
+struct Workplace {
+    folder: TempDir,
+}
+
+struct Outcome {
+    status: i32,
+    stdout: String,
+    stderr: String,
+}
+
+impl Workplace {
+    /// A ball of bone in air, 20 x 18 x 16 voxels, with a scene of 24 x 16 pixels.
+    fn new() -> Self {
+        let place = Self {
+            folder: tempfile::tempdir().unwrap(),
+        };
+        let size = [20i32, 18, 16];
+        let mut voxels = Vec::new();
+        for k in 0..size[2] {
+            for j in 0..size[1] {
+                for i in 0..size[0] {
+                    let r2 = (i - 10).pow(2) + (j - 9).pow(2) + (k - 8).pow(2);
+                    let value: i16 = if r2 < 36 { 1000 } else { -1000 };
+                    voxels.extend(value.to_le_bytes());
+                }
+            }
+        }
+        fs::write(place.path("ball.raw"), &voxels).unwrap();
+        let header = b"NRRD0004\ntype: int16\ndimension: 3\nsizes: 20 18 16\nspacings: 1 1 1.5\nendian: little\nencoding: raw\n\n";
+        fs::write(
+            place.path("ball.nrrd"),
+            [header.as_slice(), &voxels].concat(),
+        )
+        .unwrap();
+        let scene = json!({
+            "volume": { "path": "ball.raw",
+                        "raw": { "size": size, "type": "i16", "spacing": [1, 1, 1.5] } },
+            "image": { "size": [24, 16] },
+            "transfer_function": { "preset": "ct-bone" },
+            "ambient_occlusion": { "rays": 4, "radius": 4 },
+        });
+        fs::write(place.path("scene.json"), scene.to_string()).unwrap();
+        place
+    }
+
+    fn path(&self, name: &str) -> std::path::PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn run(&self, args: &[&str]) -> Outcome {
+        let output = Command::new(env!("CARGO_BIN_EXE_umbravox"))
+            .args(args)
+            .current_dir(self.folder.path())
+            .output()
+            .unwrap();
+        Outcome {
+            status: output.status.code().expect("not killed by a signal"),
+            stdout: String::from_utf8(output.stdout).unwrap(),
+            stderr: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+
+    /// Runs what must succeed; returns stdout.
+    fn succeed(&self, args: &[&str]) -> String {
+        let outcome = self.run(args);
+        assert_eq!(outcome.status, 0, "{args:?}: {}", outcome.stderr);
+        outcome.stdout
+    }
+
+    /// Runs what must be refused with status 2, one line, and no file written; returns the line.
+    fn refuse(&self, args: &[&str]) -> String {
+        let before = self.names();
+        let Outcome {
+            status,
+            stdout,
+            stderr,
+        } = self.run(args);
+        assert_eq!(status, 2, "{args:?}: {stderr}");
+        assert_eq!(stdout, "");
+        assert_eq!(stderr.lines().count(), 1, "{stderr}");
+        assert_eq!(self.names(), before, "{args:?} left something behind");
+        let message = stderr.trim_end().strip_prefix("error: ");
+        message.unwrap_or_else(|| panic!("{stderr}")).to_owned()
+    }
+
+    fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.folder.path()).unwrap();
+        let mut names: Vec<_> = entries
+            .map(|e| e.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    fn json(&self, name: &str) -> Value {
+        serde_json::from_slice(&fs::read(self.path(name)).unwrap()).unwrap()
+    }
+}
+
+#[test]
+fn help_and_version_are_results() {
+    let place = Workplace::new();
+    assert!(place.succeed(&["--version"]).starts_with("umbravox "));
+    let help = place.succeed(&["--help"]);
+    for command in ["render", "info", "light", "bench", "devices", "schema"] {
+        assert!(help.contains(&format!("\n  {command}")), "{help}");
+    }
+}
+
+#[test]
+fn schema_is_json_and_reaches_a_closed_pipe() {
+    let place = Workplace::new();
+    let schema: Value = serde_json::from_str(&place.succeed(&["schema"])).unwrap();
+    assert_eq!(schema, umbravox::scene::schema());
+    let mut child = Command::new(env!("CARGO_BIN_EXE_umbravox"))
+        .arg("schema")
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    assert!(child.wait().unwrap().success());
+}
+
+#[test]
+fn bad_usage_is_refused_on_one_line() {
+    let place = Workplace::new();
+    for (args, expected) in [
+        (
+            &["render", "scene.json", "-o", "a.png", "--frob"][..],
+            "unexpected argument '--frob' found",
+        ),
+        (
+            &["redner", "scene.json"],
+            "unrecognized subcommand 'redner'; a similar subcommand exists: 'render'",
+        ),
+        (
+            &["render", "scene.json"],
+            "the following required arguments were not provided: --output <FILE>",
+        ),
+        (
+            &["bench", "scene.json", "--frames", "0"],
+            "invalid value '0' for '--frames <FRAMES>'",
+        ),
+        (
+            &["bench", "scene.json", "--orbit", "nan"],
+            "invalid value 'nan' for '--orbit <DEGREES>': give a finite number",
+        ),
+        (
+            &["render", "scene.json", "-o", "a.png", "--tile", "0"],
+            "invalid value '0' for '--tile <N>'",
+        ),
+    ] {
+        let message = place.refuse(args);
+        assert!(message.starts_with(expected), "{message}");
+    }
+}
+
+#[test]
+fn bad_scenes_are_refused() {
+    let place = Workplace::new();
+    fs::write(
+        place.path("bad.json"),
+        r#"{ "volume": { "path": "ball.nrrd" }, "marsh": {} }"#,
+    )
+    .unwrap();
+    let message = place.refuse(&["render", "bad.json", "-o", "a.png"]);
+    assert!(
+        message.starts_with("bad.json: marsh: unknown key; did you mean \"march\"?"),
+        "{message}"
+    );
+    fs::write(place.path("syntax"), "{ \"volume\": {},\n\"march\" 3 }").unwrap();
+    for command in [
+        &["info", "syntax"][..],
+        &["bench", "syntax"],
+        &["render", "syntax", "-o", "a.png"],
+    ] {
+        let message = place.refuse(command);
+        assert!(message.starts_with("syntax: line 2, column "), "{message}");
+    }
+    let message = place.refuse(&["render", "none.json", "-o", "a.png"]);
+    assert!(message.starts_with("none.json: No such file"), "{message}");
+    fs::write(
+        place.path("lost.json"),
+        r#"{ "volume": { "path": "none.nrrd" } }"#,
+    )
+    .unwrap();
+    let message = place.refuse(&["render", "lost.json", "-o", "a.png"]);
+    assert!(message.contains("none.nrrd"), "{message}");
+}
+
+#[test]
+fn bad_overrides_are_refused_like_bad_scenes() {
+    let place = Workplace::new();
+    for (change, expected) in [
+        (
+            "march.step=0",
+            "scene.json: march.step: 0 is not valid; give a number > 0 (voxels)",
+        ),
+        (
+            "march.stepp=1",
+            "scene.json: march.stepp: unknown key; did you mean \"step\"?",
+        ),
+        (
+            "march.classification=preintegrated",
+            "scene.json: march.classification: \"preintegrated\" is not available",
+        ),
+        ("march", "--set march: there is no \"=\"; give PLACE=VALUE"),
+    ] {
+        let message = place.refuse(&["render", "scene.json", "-o", "a.png", "--set", change]);
+        assert!(message.starts_with(expected), "{message}");
+    }
+    let message = place.refuse(&[
+        "render",
+        "ball.nrrd",
+        "-o",
+        "a.png",
+        "--set",
+        "camera.type=fisheye",
+    ]);
+    assert!(
+        message.starts_with("camera.type: \"fisheye\" is not available"),
+        "{message}"
+    );
+}
+
+#[test]
+fn bad_outputs_are_refused_before_rendering() {
+    let place = Workplace::new();
+    fs::create_dir(place.path("dir.png")).unwrap();
+    for (args, expected) in [
+        (
+            &["-o", "a.gif"][..],
+            "a.gif: extension \"gif\" is not a picture format; give .png or .exr",
+        ),
+        (
+            &["-o", "none/a.png"],
+            "none/a.png: there is no folder none; create it first",
+        ),
+        (&["-o", "dir.png"], "dir.png: is a folder; give a file name"),
+        (
+            &["-o", "a.png", "-o", "a.png"],
+            "a.png: is given twice; give each output once",
+        ),
+        (
+            &["-o", "a.png", "--stats", "none/s.json"],
+            "none/s.json: there is no folder none; create it first",
+        ),
+        (
+            &["-o", "a.png", "--stats", "scene.json"],
+            "scene.json: is also an input; give another file",
+        ),
+        (
+            &["-o", "a.png", "--stats", "ball.raw"],
+            "ball.raw: is also an input; give another file",
+        ),
+    ] {
+        let args = [&["render", "scene.json"], args].concat();
+        assert_eq!(place.refuse(&args), expected);
+    }
+    for (args, expected) in [
+        (
+            &["-o", "light.mha"][..],
+            "light.mha: extension \"mha\" is not a light volume format; give .nrrd",
+        ),
+        (
+            &["-o", "none/l.nrrd"],
+            "none/l.nrrd: there is no folder none; create it first",
+        ),
+        (
+            &["-o", "l.nrrd", "--set", "ambient_occlusion=null"],
+            "ambient_occlusion: is off, so there is no light volume",
+        ),
+    ] {
+        let message = place.refuse(&[&["light", "scene.json"], args].concat());
+        assert!(message.starts_with(expected), "{message}");
+    }
+    let message = place.refuse(&["light", "ball.nrrd", "-o", "ball.nrrd"]);
+    assert_eq!(message, "ball.nrrd: is also an input; give another file");
+}
+
+#[test]
+fn unknown_devices_are_refused() {
+    let place = Workplace::new();
+    for device in ["no such device", "4711"] {
+        let message = place.refuse(&["render", "scene.json", "-o", "a.png", "--device", device]);
+        assert!(message.contains(device), "{message}");
+    }
+}
+
+#[test]
+fn files_that_are_no_volume_are_refused() {
+    let place = Workplace::new();
+    fs::write(place.path("noise.bin"), b"nothing that anybody knows").unwrap();
+    for args in [
+        &["info", "noise.bin"][..],
+        &["render", "noise.bin", "-o", "a.png"],
+    ] {
+        let message = place.refuse(args);
+        assert!(message.starts_with("noise.bin: "), "{message}");
+    }
+    let message = place.refuse(&[
+        "render",
+        "scene.json",
+        "-o",
+        "a.png",
+        "--set",
+        "volume.raw.size.0=21",
+    ]);
+    assert!(message.contains("ball.raw"), "{message}");
+}
+
+#[test]
+fn info_describes_volumes_and_scenes() {
+    let place = Workplace::new();
+    for input in ["ball.nrrd", "scene.json"] {
+        let info: Value = serde_json::from_str(&place.succeed(&["info", input, "--json"])).unwrap();
+        assert_eq!(info["size"], json!([20, 18, 16]), "{info}");
+        assert!(place.succeed(&["info", input]).contains("[20,18,16]"));
+    }
+}
+
+#[test]
+fn devices_are_listed() {
+    let place = Workplace::new();
+    let devices: Value = serde_json::from_str(&place.succeed(&["devices", "--json"])).unwrap();
+    let devices = devices.as_array().unwrap();
+    assert!(!devices.is_empty());
+    let listing = place.succeed(&["devices"]);
+    for device in devices {
+        assert!(listing.contains(device["name"].as_str().unwrap()));
+        assert!(device["usable"] == true || device["reason"].is_string());
+    }
+}
+
+/// Every key that scripts rely on.
+fn assert_stats(stats: &Value) {
+    for pointer in [
+        "/device/name",
+        "/device/driver",
+        "/device/type",
+        "/image/size",
+        "/frame_ms",
+        "/passes/0/name",
+        "/passes/0/gpu_ms",
+        "/lao/rays",
+        "/lao/ms_per_ray",
+        "/lao/voxels",
+        "/samples/taken",
+        "/samples/per_pixel_mean",
+        "/blocks/total",
+        "/blocks/resident",
+        "/blocks/by_level",
+        "/data_reduction",
+        "/memory/device_bytes",
+        "/memory/host_peak_bytes",
+    ] {
+        assert!(
+            stats.pointer(pointer).is_some_and(|v| !v.is_null()),
+            "{pointer} in {stats}"
+        );
+    }
+    assert_eq!(stats["image"]["size"], json!([24, 16]));
+    assert_eq!(stats["lao"]["rays"], 4);
+    // 20 x 18 x 16 voxels make 2 x 2 x 1 blocks.
+    assert_eq!(stats["blocks"]["total"], 4);
+    assert!(stats["memory"]["host_peak_bytes"].as_u64().unwrap() > 20 * 18 * 16 * 2);
+}
+
+/// Size of a picture, and whether its middle shows the ball and its corner the background.
+fn assert_shows_ball(path: &Path, size: [u32; 2]) {
+    let picture = image::open(path).unwrap().to_rgb8();
+    assert_eq!(picture.dimensions(), size.into());
+    assert_eq!(picture.get_pixel(0, 0).0, [0, 0, 0]);
+    let middle = picture.get_pixel(size[0] / 2, size[1] / 2).0;
+    assert!(middle.iter().all(|&c| c > 30), "{middle:?}");
+}
+
+#[test]
+fn scenes_render_to_every_output_at_once() {
+    let place = Workplace::new();
+    let stdout = place.succeed(&[
+        "render",
+        "scene.json",
+        "-o",
+        "a.png",
+        "-o",
+        "b.exr",
+        "--stats",
+        "stats.json",
+    ]);
+    assert_eq!(stdout, "");
+    assert_eq!(
+        place.names(),
+        [
+            "a.png",
+            "b.exr",
+            "ball.nrrd",
+            "ball.raw",
+            "scene.json",
+            "stats.json"
+        ]
+    );
+    assert_shows_ball(&place.path("a.png"), [24, 16]);
+    assert!(
+        fs::read(place.path("b.exr"))
+            .unwrap()
+            .starts_with(&[0x76, 0x2f, 0x31, 0x01])
+    );
+    let stats = place.json("stats.json");
+    assert_stats(&stats);
+    assert!(stats["samples"]["taken"].as_u64().unwrap() > 0);
+}
+
+#[test]
+fn volumes_render_without_a_scene() {
+    let place = Workplace::new();
+    let args = [
+        "render",
+        "ball.nrrd",
+        "-o",
+        "a.png",
+        "--set",
+        "image.size=[24,16]",
+    ];
+    place.succeed(&args);
+    assert_shows_ball(&place.path("a.png"), [24, 16]);
+}
+
+#[test]
+fn number_patterns_show_the_light_refine() {
+    let place = Workplace::new();
+    place.succeed(&[
+        "render",
+        "scene.json",
+        "-o",
+        "frame_%04d.png",
+        "-o",
+        "final.png",
+    ]);
+    let pictures: Vec<_> = place
+        .names()
+        .into_iter()
+        .filter(|n| n.ends_with(".png"))
+        .collect();
+    assert_eq!(
+        pictures,
+        [
+            "final.png",
+            "frame_0000.png",
+            "frame_0001.png",
+            "frame_0002.png",
+            "frame_0003.png"
+        ]
+    );
+    let pixels = |name: &str| image::open(place.path(name)).unwrap().to_rgb8();
+    assert_eq!(pixels("frame_0003.png"), pixels("final.png"));
+    assert_ne!(pixels("frame_0000.png"), pixels("final.png"));
+    let unlit = Workplace::new();
+    unlit.succeed(&[
+        "render",
+        "scene.json",
+        "-o",
+        "f%d.png",
+        "--set",
+        "ambient_occlusion=null",
+    ]);
+    assert!(unlit.names().contains(&"f0.png".to_owned()));
+    assert!(!unlit.names().contains(&"f1.png".to_owned()));
+}
+
+#[test]
+fn tiles_change_no_pixel() {
+    let place = Workplace::new();
+    place.succeed(&["render", "scene.json", "-o", "a.exr"]);
+    place.succeed(&[
+        "render",
+        "scene.json",
+        "-o",
+        "b.exr",
+        "--tile",
+        "7",
+        "--no-pipeline-cache",
+    ]);
+    assert!(fs::read(place.path("a.exr")).unwrap() == fs::read(place.path("b.exr")).unwrap());
+}
+
+#[test]
+fn bench_prints_json() {
+    let place = Workplace::new();
+    let args = [
+        "bench",
+        "scene.json",
+        "--frames",
+        "3",
+        "--warmup",
+        "1",
+        "--orbit",
+        "-10",
+        "--json",
+    ];
+    let report: Value = serde_json::from_str(&place.succeed(&args)).unwrap();
+    let [min, median, max] =
+        ["min", "median", "max"].map(|key| report["frame_ms"][key].as_f64().unwrap());
+    assert!(0.0 < min && min <= median && median <= max, "{report}");
+    assert_stats(&report["stats"]);
+    assert!(
+        place
+            .succeed(&["bench", "scene.json", "--frames", "1"])
+            .contains("frame_ms.median")
+    );
+}
+
+#[test]
+fn light_is_exported_on_the_full_grid() {
+    let place = Workplace::new();
+    place.succeed(&["light", "scene.json", "-o", "light.nrrd"]);
+    let bytes = fs::read(place.path("light.nrrd")).unwrap();
+    let end = bytes.windows(2).position(|w| w == b"\n\n").unwrap();
+    let header = std::str::from_utf8(&bytes[..end]).unwrap();
+    for line in [
+        "type: float",
+        "sizes: 4 20 18 16",
+        "space: left-posterior-superior",
+        "space directions: none (1,0,0) (0,1,0) (0,0,1.5)",
+        "space origin: (0,0,0)",
+        "encoding: raw",
+    ] {
+        assert!(header.lines().any(|l| l == line), "{line} in {header}");
+    }
+    let light: Vec<f32> = bytes[end + 2..]
+        .chunks_exact(4)
+        .map(|b| f32::from_le_bytes(b.try_into().unwrap()))
+        .collect();
+    assert_eq!(light.len(), 4 * 20 * 18 * 16);
+    let voxel = |i: usize, j: usize, k: usize| {
+        let at = 4 * (i + 20 * (j + 18 * k));
+        &light[at..at + 4]
+    };
+    let [middle, edge] = [voxel(10, 9, 8), voxel(10, 3, 8)];
+    assert_eq!([middle[3], edge[3]], [1.0, 1.0]);
+    assert!(
+        middle[0] < edge[0],
+        "{middle:?} is not darker than {edge:?}"
+    );
+}

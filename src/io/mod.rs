@@ -1,4 +1,3 @@
-<<<<<<< HEAD
 //! Readers of volume files: NRRD, NIfTI, MetaImage and headerless (RAW) data.
 //!
 //! A file is recognised by what it holds; its name is only a hint in messages. Voxels are decoded straight into
@@ -18,9 +17,6 @@ mod raw;
 mod source;
 mod text;
 mod text_data;
-=======
-//! Readers of volume files.
->>>>>>> cli
 
 use std::path::Path;
 
@@ -28,7 +24,6 @@ use crate::error::{Error, Result};
 use crate::scene::RawDescription;
 use crate::volume::Volume;
 
-<<<<<<< HEAD
 /// What a caller may say about a file before it is read.
 #[derive(Clone, Default)]
 pub struct ReadOptions<'a> {
@@ -124,17 +119,4 @@ fn unrecognised(path: &Path) -> Error {
             known.join(", ")
         ),
     )
-=======
-/// How to read.
-#[derive(Clone, Debug, Default)]
-pub struct ReadOptions {
-    /// Of a headerless file.
-    pub raw: Option<RawDescription>,
-}
-
-/// Reads a volume.
-pub fn read(path: &Path, _options: &ReadOptions) -> Result<Volume> {
-    std::fs::metadata(path).map_err(|e| Error::io(path, e))?;
-    Err(Error::volume(path, "not a volume"))
->>>>>>> cli
 }

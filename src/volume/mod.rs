@@ -4,13 +4,17 @@
 //! axis, and nothing is sampled outside. Index space (`_ix`) counts voxels: voxel `(i,j,k)` sits at `(i,j,k)`.
 //! World space (`_ws`) is patient/physical space in millimetres, LPS.
 
-<<<<<<< HEAD
+pub mod blocks;
+pub mod bricks;
+pub mod cells;
+mod filter;
+pub mod layout;
+pub mod select;
+pub mod statistics;
 mod summary;
+mod texel;
 
 pub use summary::{HISTOGRAM_BINS, Histogram, Percentiles, Summary};
-=======
-pub mod summary;
->>>>>>> cli
 
 use glam::{DAffine3, DVec3};
 
@@ -121,6 +125,14 @@ pub struct Rescale {
     pub slope: f64,
     /// Offset; finite. Default 0.
     pub intercept: f64,
+}
+
+impl Rescale {
+    /// Range of values, ascending, of a range of stored voxels.
+    pub fn range(self, stored: [f32; 2]) -> [f64; 2] {
+        let [a, b] = stored.map(|s| self.slope * f64::from(s) + self.intercept);
+        [a.min(b), a.max(b)]
+    }
 }
 
 impl Default for Rescale {

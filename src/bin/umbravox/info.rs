@@ -1,7 +1,7 @@
 //! `umbravox info`.
 
 use umbravox::Result;
-use umbravox::volume::summary::Summary;
+use umbravox::volume::Summary;
 
 use crate::args::InfoArgs;
 use crate::{input, terminal};

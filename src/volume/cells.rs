@@ -1,0 +1,291 @@
+//! Empty-space skipping: value ranges of small groups of cells, and the distance to the nearest visible one.
+
+use rayon::prelude::*;
+
+use super::Rescale;
+use super::blocks::{BLOCK_CELLS, BlockGrid, FINEST, brick_extent, brick_texels};
+use super::bricks::BrickBuilder;
+
+/// Cells on each axis of a skip cell.
+pub const SKIP_CELLS: u32 = 4;
+
+/// Largest distance that [`chessboard_distance`] tells apart.
+pub const MAX_DISTANCE: u8 = 254;
+
+/// Skip cells of a block on each axis.
+const PER_BLOCK: usize = (BLOCK_CELLS / SKIP_CELLS) as usize;
+
+/// What a skip cell of a block that is not resident holds: no value lies in it.
+const ABSENT: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
+
+/// Smallest and largest value of the *stored* field over closed groups of 4^3 cells.
+///
+/// Ranges bound what sampling the bricks can return at the levels they have, coarse ones included: all
+/// samples count that trilinear interpolation anywhere in the closed skip cell gives weight.
+#[derive(Clone, Debug)]
+pub struct CellGrid {
+    counts: [u32; 3],
+    rescale: Rescale,
+    ranges: Vec<[f32; 2]>,
+}
+
+impl CellGrid {
+    /// Ranges of all skip cells, in parallel over slabs of blocks.
+    pub fn new(bricks: &BrickBuilder, rescale: Rescale) -> Self {
+        let grid = bricks.grid();
+        let counts = grid.size().map(|n| (n - 1).div_ceil(SKIP_CELLS));
+        let [width, height, depth] = counts.map(|n| n as usize);
+        let mut ranges = vec![ABSENT; width * height * depth];
+        // One strip: the skip cells of a row of blocks along x, in one layer of them along z.
+        let blocks = grid.counts().map(|n| n as usize);
+        ranges
+            .par_chunks_mut(width * height * PER_BLOCK)
+            .enumerate()
+            .for_each(|(z, slab)| {
+                let mut scratch = Scratch::new();
+                for y in 0..blocks[1] {
+                    for x in 0..blocks[0] {
+                        let block = x + blocks[0] * (y + blocks[1] * z);
+                        if let Some(level) = bricks.levels().by_block[block] {
+                            let size = scratch.reduce(bricks, grid, block, level);
+                            let first = PER_BLOCK * (x + width * y);
+                            scratch.copy_to(size, &mut slab[first..], [width, width * height]);
+                        }
+                    }
+                }
+            });
+        Self {
+            counts,
+            rescale,
+            ranges,
+        }
+    }
+
+    /// Skip cells on x, y, z.
+    pub fn counts(&self) -> [u32; 3] {
+        self.counts
+    }
+
+    /// Smallest and largest stored value over a closed skip cell, by linear index, x fastest; `None` where
+    /// nothing is resident.
+    pub fn stored_range(&self, cell: usize) -> Option<[f32; 2]> {
+        let range = self.ranges[cell];
+        (range[0] <= range[1]).then_some(range)
+    }
+
+    /// [`CellGrid::stored_range`] in the file's units.
+    pub fn value_range(&self, cell: usize) -> Option<[f64; 2]> {
+        Some(self.rescale.range(self.stored_range(cell)?))
+    }
+
+    /// 1 for every skip cell whose range, in the file's units, `visible` accepts; 0 for others and where nothing
+    /// is resident. x fastest.
+    pub fn occupancy(&self, visible: impl Fn([f64; 2]) -> bool + Sync) -> Vec<u8> {
+        (0..self.ranges.len())
+            .into_par_iter()
+            .with_min_len(1 << 12)
+            .map(|cell| u8::from(self.value_range(cell).is_some_and(&visible)))
+            .collect()
+    }
+}
+
+/// Room to reduce a brick to its skip cells, axis by axis.
+struct Scratch {
+    samples: Vec<f32>,
+    rows: Vec<[f32; 2]>,
+    planes: Vec<[f32; 2]>,
+    cells: [[f32; 2]; PER_BLOCK.pow(3)],
+}
+
+impl Scratch {
+    fn new() -> Self {
+        let side = brick_extent(FINEST) as usize;
+        Self {
+            samples: vec![0.0; brick_texels(FINEST)],
+            rows: vec![ABSENT; PER_BLOCK * side * side],
+            planes: vec![ABSENT; PER_BLOCK * PER_BLOCK * side],
+            cells: [ABSENT; PER_BLOCK.pow(3)],
+        }
+    }
+
+    /// Fills `cells`, 4 to a row and 16 to a plane; returns how many the block has on each axis.
+    fn reduce(
+        &mut self,
+        bricks: &BrickBuilder,
+        grid: &BlockGrid,
+        block: usize,
+        level: u8,
+    ) -> [usize; 3] {
+        bricks.stored(block, &mut self.samples);
+        let side = brick_extent(level) as usize;
+        let spans = [0, 1, 2].map(|a| spans(grid.cells(block)[a], grid.intervals(block, level)[a]));
+
+        let rows = self.samples.chunks_exact(side).take(side * side);
+        for (row, to) in rows.zip(self.rows.chunks_exact_mut(PER_BLOCK)) {
+            for (to, span) in to.iter_mut().zip(&spans[0]) {
+                *to = row[span.first..=span.last]
+                    .iter()
+                    .fold(ABSENT, |range, &v| union(range, [v, v]));
+            }
+        }
+        let planes = self.rows.chunks_exact(PER_BLOCK * side).take(side);
+        for (rows, to) in planes.zip(self.planes.chunks_exact_mut(PER_BLOCK * PER_BLOCK)) {
+            reduce_slices(rows, PER_BLOCK, &spans[1], to);
+        }
+        reduce_slices(
+            &self.planes,
+            PER_BLOCK * PER_BLOCK,
+            &spans[2],
+            &mut self.cells,
+        );
+        [0, 1, 2].map(|a| grid.cells(block)[a].div_ceil(SKIP_CELLS) as usize)
+    }
+
+    fn copy_to(&self, size: [usize; 3], to: &mut [[f32; 2]], strides: [usize; 2]) {
+        for k in 0..size[2] {
+            for j in 0..size[1] {
+                let from = PER_BLOCK * (j + PER_BLOCK * k);
+                let at = j * strides[0] + k * strides[1];
+                to[at..at + size[0]].copy_from_slice(&self.cells[from..from + size[0]]);
+            }
+        }
+    }
+}
+
+/// Samples of an axis, both included, that a closed skip cell touches.
+#[derive(Clone, Copy, Default)]
+struct Span {
+    first: usize,
+    last: usize,
+}
+
+/// The spans of a block's skip cells on one axis; those beyond the block repeat the last.
+fn spans(cells: u32, intervals: u32) -> [Span; PER_BLOCK] {
+    std::array::from_fn(|c| {
+        let from = (c as u32 * SKIP_CELLS).min(cells - 1) / SKIP_CELLS * SKIP_CELLS;
+        let to = (from + SKIP_CELLS).min(cells);
+        Span {
+            first: (from * intervals / cells) as usize,
+            last: (to * intervals).div_ceil(cells) as usize,
+        }
+    })
+}
+
+fn union(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
+    [
+        if b[0] < a[0] { b[0] } else { a[0] },
+        if b[1] > a[1] { b[1] } else { a[1] },
+    ]
+}
+
+/// For each span, the union of the slices of `from`, each `length` long, that it names.
+fn reduce_slices(from: &[[f32; 2]], length: usize, spans: &[Span], to: &mut [[f32; 2]]) {
+    for (to, span) in to.chunks_exact_mut(length).zip(spans) {
+        to.fill(ABSENT);
+        for slice in from
+            .chunks_exact(length)
+            .take(span.last + 1)
+            .skip(span.first)
+        {
+            for (to, range) in to.iter_mut().zip(slice) {
+                *to = union(*to, *range);
+            }
+        }
+    }
+}
+
+/// Chessboard distance, in cells and at most [`MAX_DISTANCE`], of every cell to the nearest with `occupancy` not
+/// 0; x fastest. An occupied cell has 0.
+///
+/// Exact: a shortest path of king's moves can take its steps along one axis last, so distances within rows
+/// extend to planes, and those within planes to the grid, by one sweep each way (Rosenfeld and Pfaltz 1968).
+///
+/// # Panics
+/// When `occupancy` does not have one entry for each cell.
+pub fn chessboard_distance(counts: [u32; 3], occupancy: &[u8]) -> Vec<u8> {
+    let [width, height, depth] = counts.map(|n| n as usize);
+    assert_eq!(
+        occupancy.len(),
+        width * height * depth,
+        "one entry of occupancy for each of {counts:?} cells"
+    );
+    let mut distance: Vec<u8> = occupancy
+        .par_iter()
+        .with_min_len(1 << 16)
+        .map(|&o| if o == 0 { MAX_DISTANCE } else { 0 })
+        .collect();
+    let area = width * height;
+    distance.par_chunks_exact_mut(area).for_each(|plane| {
+        for row in plane.chunks_exact_mut(width) {
+            sweep_row(row.iter_mut());
+            sweep_row(row.iter_mut().rev());
+        }
+        let mut near = vec![0; width];
+        for y in 1..height {
+            let (before, after) = plane.split_at_mut(y * width);
+            dilate_row(&before[(y - 1) * width..], &mut near);
+            step_from(&near, &mut after[..width]);
+        }
+        for y in (1..height).rev() {
+            let (before, after) = plane.split_at_mut(y * width);
+            dilate_row(&after[..width], &mut near);
+            step_from(&near, &mut before[(y - 1) * width..]);
+        }
+    });
+    let mut scratch = vec![0; area];
+    let mut near = vec![0; area];
+    for z in 1..depth {
+        let (before, after) = distance.split_at_mut(z * area);
+        dilate_plane(&before[(z - 1) * area..], width, &mut scratch, &mut near);
+        step_from(&near, &mut after[..area]);
+    }
+    for z in (1..depth).rev() {
+        let (before, after) = distance.split_at_mut(z * area);
+        dilate_plane(&after[..area], width, &mut scratch, &mut near);
+        step_from(&near, &mut before[(z - 1) * area..]);
+    }
+    distance
+}
+
+fn sweep_row<'a>(row: impl Iterator<Item = &'a mut u8>) {
+    let mut last = MAX_DISTANCE;
+    for d in row {
+        *d = (*d).min(last + 1);
+        last = *d;
+    }
+}
+
+/// Distances one step on from the neighbouring row or plane.
+fn step_from(near: &[u8], to: &mut [u8]) {
+    for (d, near) in to.iter_mut().zip(near) {
+        *d = (*d).min(near + 1);
+    }
+}
+
+/// Least of each value and its neighbours in the row.
+fn dilate_row(from: &[u8], to: &mut [u8]) {
+    to.copy_from_slice(from);
+    for (to, right) in to.iter_mut().zip(&from[1..]) {
+        *to = (*to).min(*right);
+    }
+    for (to, left) in to[1..].iter_mut().zip(from) {
+        *to = (*to).min(*left);
+    }
+}
+
+/// Least of each value and its eight neighbours in the plane.
+fn dilate_plane(from: &[u8], width: usize, scratch: &mut [u8], to: &mut [u8]) {
+    for (from, to) in from
+        .chunks_exact(width)
+        .zip(scratch.chunks_exact_mut(width))
+    {
+        dilate_row(from, to);
+    }
+    to.copy_from_slice(scratch);
+    for (to, above) in to.iter_mut().zip(&scratch[width..]) {
+        *to = (*to).min(*above);
+    }
+    for (to, below) in to[width..].iter_mut().zip(scratch.iter()) {
+        *to = (*to).min(*below);
+    }
+}

@@ -1,0 +1,308 @@
+//! Range and histogram of every block at every level of detail.
+
+use rayon::prelude::*;
+
+use super::blocks::{BlockGrid, FINEST, LEVELS, brick_extent, brick_texels};
+use super::filter::{BLOCK_VOXELS, BlockFilter, place};
+use super::texel::{Voxel, with_typed};
+use super::{Rescale, Volume};
+use crate::error::Result;
+
+/// Bins of a histogram.
+pub const BINS: usize = 64;
+
+/// Counts per bin; bin `k` stands for the value `min + k (max - min) / 63` of the block.
+pub type Histogram = [u16; BINS];
+
+/// Range and histogram of every block at every level, in stored units.
+///
+/// Everything is taken over the *closed* block, borders included: that is what a ray through the block can
+/// meet. The histogram of a level counts the values that trilinear interpolation of the level's samples takes
+/// at the `(m+1)^3` voxel positions; at the finest level these are the voxels. All levels of a block share
+/// the bins. Blocks of one value keep no histogram.
+///
+/// Takes 0.18 bytes per voxel of full blocks at most.
+#[derive(Clone, Debug)]
+pub struct BlockStatistics {
+    grid: BlockGrid,
+    rescale: Rescale,
+    value_range: [f64; 2],
+    blocks: Vec<Block>,
+}
+
+#[derive(Clone, Debug)]
+struct Block {
+    /// Smallest and largest sample of each level.
+    ranges: [[f32; 2]; LEVELS],
+    /// `None` when every voxel is equal.
+    histograms: Option<Box<[Histogram; LEVELS]>>,
+}
+
+impl BlockStatistics {
+    /// Gathers the statistics of a volume, in parallel over blocks.
+    ///
+    /// # Errors
+    /// As [`BlockGrid::new`].
+    pub fn of(volume: &Volume) -> Result<Self> {
+        let grid = BlockGrid::new(volume.size())?;
+        let blocks = with_typed!(volume.voxels(), voxels => blocks_of(&grid, voxels));
+        Ok(Self {
+            grid,
+            rescale: volume.rescale(),
+            value_range: volume.value_range(),
+            blocks,
+        })
+    }
+
+    /// The blocks described.
+    pub fn grid(&self) -> &BlockGrid {
+        &self.grid
+    }
+
+    /// From stored values to the file's units.
+    pub fn rescale(&self) -> Rescale {
+        self.rescale
+    }
+
+    /// Smallest and largest voxel of the volume, in the file's units.
+    pub fn value_range(&self) -> [f64; 2] {
+        self.value_range
+    }
+
+    /// Smallest and largest sample of a block at a level, in stored units; at [`FINEST`], of its closed voxels.
+    pub fn stored_range(&self, block: usize, level: u8) -> [f32; 2] {
+        self.blocks[block].ranges[level as usize]
+    }
+
+    /// [`BlockStatistics::stored_range`] in the file's units.
+    pub fn block_value_range(&self, block: usize, level: u8) -> [f64; 2] {
+        self.rescale.range(self.stored_range(block, level))
+    }
+
+    /// Histograms of all levels of a block; `None` when all its voxels are equal.
+    pub fn histograms(&self, block: usize) -> Option<&[Histogram; LEVELS]> {
+        self.blocks[block].histograms.as_deref()
+    }
+
+    /// Voxels of the closed block: the sum of each of its histograms.
+    pub fn mass(&self, block: usize) -> u64 {
+        self.grid
+            .cells(block)
+            .iter()
+            .map(|&m| u64::from(m) + 1)
+            .product()
+    }
+
+    /// Bytes taken on the heap.
+    pub fn heap_bytes(&self) -> usize {
+        let histograms = self.blocks.iter().filter(|b| b.histograms.is_some());
+        size_of_val(self.blocks.as_slice()) + histograms.count() * size_of::<[Histogram; LEVELS]>()
+    }
+}
+
+fn blocks_of<V: Voxel>(grid: &BlockGrid, voxels: &[V]) -> Vec<Block> {
+    (0..grid.len())
+        .into_par_iter()
+        .map_init(Scratch::<V>::new, |scratch, block| {
+            scratch.filter.gather(
+                voxels,
+                grid.size(),
+                grid.origin_ix(block),
+                grid.cells(block),
+            );
+            scratch.summarize()
+        })
+        .collect()
+}
+
+/// What one thread needs to describe blocks.
+struct Scratch<V: Voxel> {
+    filter: BlockFilter,
+    texels: Vec<V::Texel>,
+    samples: Vec<f32>,
+    reconstruction: Reconstruction,
+}
+
+impl<V: Voxel> Scratch<V> {
+    fn new() -> Self {
+        let largest = brick_texels(FINEST - 1);
+        Self {
+            filter: BlockFilter::new(),
+            texels: vec![V::nearest_texel(0.0); largest],
+            samples: vec![0.0; largest],
+            reconstruction: Reconstruction::new(),
+        }
+    }
+
+    /// Statistics of the block that was gathered.
+    fn summarize(&mut self) -> Block {
+        let range = range_of(self.filter.voxels());
+        let mut ranges = [range; LEVELS];
+        if range[0] == range[1] {
+            return Block {
+                ranges,
+                histograms: None,
+            };
+        }
+        let binning = Binning::new(range);
+        let mut histograms = Box::new([[0; BINS]; LEVELS]);
+        histograms[FINEST as usize] = binning.count(|bin| bin(self.filter.voxels()));
+        for level in 0..FINEST {
+            self.filter.coarse::<V>(level, &mut self.texels);
+            let samples = &mut self.samples[..brick_texels(level)];
+            for (sample, &texel) in samples.iter_mut().zip(&self.texels) {
+                *sample = V::stored(texel);
+            }
+            ranges[level as usize] = range_of(samples);
+            histograms[level as usize] = binning.count(|bin| {
+                self.reconstruction
+                    .planes(samples, level, self.filter.size(), bin)
+            });
+        }
+        Block {
+            ranges,
+            histograms: Some(histograms),
+        }
+    }
+}
+
+/// Smallest and largest of finite values.
+pub(super) fn range_of(values: &[f32]) -> [f32; 2] {
+    const LANES: usize = 8;
+    let mut low = [f32::INFINITY; LANES];
+    let mut high = [f32::NEG_INFINITY; LANES];
+    let (chunks, rest) = values.as_chunks::<LANES>();
+    for chunk in chunks {
+        for lane in 0..LANES {
+            let v = chunk[lane];
+            low[lane] = if v < low[lane] { v } else { low[lane] };
+            high[lane] = if v > high[lane] { v } else { high[lane] };
+        }
+    }
+    [
+        low.iter()
+            .chain(rest)
+            .copied()
+            .fold(f32::INFINITY, f32::min),
+        high.iter()
+            .chain(rest)
+            .copied()
+            .fold(f32::NEG_INFINITY, f32::max),
+    ]
+}
+
+/// From value to bin.
+#[derive(Clone, Copy)]
+struct Binning {
+    /// Half the smallest value; halves keep the widest f32 range finite.
+    half_low: f32,
+    /// Bins per half unit.
+    scale: f32,
+}
+
+impl Binning {
+    fn new([low, high]: [f32; 2]) -> Self {
+        let half_span = 0.5 * (f64::from(high) - f64::from(low));
+        Self {
+            half_low: 0.5 * low,
+            // A range of a few denormals would overflow to infinity.
+            scale: (((BINS - 1) as f64 / half_span) as f32).min(f32::MAX),
+        }
+    }
+
+    /// Histogram of all the values that `feed` passes on.
+    fn count(self, feed: impl FnOnce(&mut dyn FnMut(&[f32]))) -> Histogram {
+        // Adding 2^23 rounds to an integer and leaves it in the low bits of the mantissa.
+        const ROUND: f32 = (1 << 23) as f32;
+        const PLANE: usize = 512;
+        // Neighbouring values often share a bin: counting into different tables avoids waiting for the last one.
+        let mut tables = [[0u16; BINS]; 4];
+        let mut bins = [0u32; PLANE];
+        feed(&mut |values| {
+            for values in values.chunks(PLANE) {
+                for (bin, v) in bins.iter_mut().zip(values) {
+                    *bin = ((0.5 * v - self.half_low) * self.scale + ROUND).to_bits();
+                }
+                let (quads, rest) = bins[..values.len()].as_chunks::<4>();
+                for quad in quads {
+                    for (table, bin) in tables.iter_mut().zip(quad) {
+                        table[*bin as usize % BINS] += 1;
+                    }
+                }
+                for bin in rest {
+                    tables[0][*bin as usize % BINS] += 1;
+                }
+            }
+        });
+        std::array::from_fn(|k| tables.iter().map(|t| t[k]).sum())
+    }
+}
+
+/// Trilinear interpolation of a coarse brick at the voxel positions of its closed block.
+struct Reconstruction {
+    /// Samples stretched to voxels on x, then also on y.
+    rows: Vec<f32>,
+    planes: Vec<f32>,
+    plane: Vec<f32>,
+}
+
+impl Reconstruction {
+    fn new() -> Self {
+        Self {
+            rows: vec![0.0; BLOCK_VOXELS],
+            planes: vec![0.0; BLOCK_VOXELS],
+            plane: vec![0.0; BLOCK_VOXELS],
+        }
+    }
+
+    /// Passes on the planes of the block from low to high z, `size` voxels in all.
+    fn planes(
+        &mut self,
+        samples: &[f32],
+        level: u8,
+        size: [usize; 3],
+        each: &mut dyn FnMut(&[f32]),
+    ) {
+        let side = brick_extent(level) as usize;
+        let intervals = side - 1;
+        let [width, height, depth] = size;
+        let area = width * height;
+
+        for x in 0..width {
+            let (below, s) = place(x, width - 1, intervals);
+            for (row, from) in samples.chunks_exact(side).enumerate() {
+                self.rows[row * width + x] = from[below] + (from[below + 1] - from[below]) * s;
+            }
+        }
+        for (rows, plane) in self
+            .rows
+            .chunks_exact(side * width)
+            .zip(self.planes.chunks_exact_mut(area))
+            .take(side)
+        {
+            for (y, to) in plane.chunks_exact_mut(width).enumerate() {
+                let (below, s) = place(y, height - 1, intervals);
+                let from = &rows[below * width..];
+                mix(&from[..width], &from[width..2 * width], s, to);
+            }
+        }
+        for z in 0..depth {
+            let (below, s) = place(z, depth - 1, intervals);
+            let from = &self.planes[below * area..];
+            mix(
+                &from[..area],
+                &from[area..2 * area],
+                s,
+                &mut self.plane[..area],
+            );
+            each(&self.plane[..area]);
+        }
+    }
+}
+
+/// `to = a + (b - a) s`, element by element.
+fn mix(a: &[f32], b: &[f32], s: f32, to: &mut [f32]) {
+    for ((to, a), b) in to.iter_mut().zip(a).zip(b) {
+        *to = a + (b - a) * s;
+    }
+}

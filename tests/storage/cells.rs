@@ -1,0 +1,163 @@
+//! Skip cells and distances.
+
+use umbravox::volume::Rescale;
+use umbravox::volume::blocks::{BlockGrid, FINEST, Levels};
+use umbravox::volume::bricks::BrickBuilder;
+use umbravox::volume::cells::{CellGrid, chessboard_distance};
+
+use super::{Field, Random, positions, random_f32, random_u8, sample_volume};
+
+fn linear(counts: [u32; 3], cell: [u32; 3]) -> usize {
+    (cell[0] + counts[0] * (cell[1] + counts[1] * cell[2])) as usize
+}
+
+#[test]
+fn ranges_bound_every_sample() {
+    let mut random = Random(20);
+    for size in [[49, 33, 49], [40, 27, 22], [2, 9, 19]] {
+        let grid = BlockGrid::new(size).unwrap();
+        let volume = random_f32(size, &mut random);
+        for _ in 0..6 {
+            let levels = random.levels(&grid, 5);
+            let builder = BrickBuilder::new(&volume, &grid, &levels).unwrap();
+            let cells = CellGrid::new(&builder, volume.rescale());
+            let field = Field::new(&volume, &levels);
+            for (block, level) in field.resident() {
+                for at in positions(&grid, block, 21) {
+                    // All closed skip cells of this block that hold the position.
+                    let value = field.sample(block, at);
+                    for corner in 0..8 {
+                        let cell = std::array::from_fn(|a| {
+                            let first = grid.origin_ix(block)[a];
+                            let end = first + grid.cells(block)[a];
+                            let low = ((at[a] / 4.0).ceil() as u32).max(1) - 1;
+                            let high = (at[a] / 4.0).floor() as u32;
+                            let cell = if corner >> a & 1 == 1 { high } else { low };
+                            cell.clamp(first / 4, (end - 1) / 4)
+                        });
+                        let [low, high] = cells
+                            .stored_range(linear(cells.counts(), cell))
+                            .unwrap()
+                            .map(f64::from);
+                        assert!(
+                            (low - 1e-12..=high + 1e-12).contains(&value),
+                            "{value} at {at:?}, level {level}, outside {low}..{high}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn ranges_of_the_finest_level_are_exact() {
+    let size = [37, 20, 18];
+    let volume = random_u8(size, &mut Random(21));
+    let grid = BlockGrid::new(size).unwrap();
+    let levels = Levels::uniform(&grid, FINEST);
+    let builder = BrickBuilder::new(&volume, &grid, &levels).unwrap();
+    let rescale = Rescale {
+        slope: -2.0,
+        intercept: 10.0,
+    };
+    let cells = CellGrid::new(&builder, rescale);
+    assert_eq!(cells.counts(), [9, 5, 5]);
+    for k in 0..5 {
+        for j in 0..5 {
+            for i in 0..9 {
+                let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+                for z in 4 * k..=(4 * k + 4).min(size[2] - 1) {
+                    for y in 4 * j..=(4 * j + 4).min(size[1] - 1) {
+                        for x in 4 * i..=(4 * i + 4).min(size[0] - 1) {
+                            let v = sample_volume(&volume, [x, y, z].map(f64::from));
+                            range = [range[0].min(v), range[1].max(v)];
+                        }
+                    }
+                }
+                let cell = linear(cells.counts(), [i, j, k]);
+                assert_eq!(cells.stored_range(cell).unwrap().map(f64::from), range);
+                assert_eq!(
+                    cells.value_range(cell).unwrap(),
+                    [10.0 - 2.0 * range[1], 10.0 - 2.0 * range[0]]
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn occupancy_follows_residency_and_visibility() {
+    let mut random = Random(22);
+    let size = [50, 40, 30];
+    let volume = random_f32(size, &mut random);
+    let grid = BlockGrid::new(size).unwrap();
+    let levels = random.levels(&grid, 2);
+    let builder = BrickBuilder::new(&volume, &grid, &levels).unwrap();
+    let cells = CellGrid::new(&builder, volume.rescale());
+    let all = cells.occupancy(|_| true);
+    let some = cells.occupancy(|range| range[1] > 0.97);
+    let counts = cells.counts();
+    let mut kinds = [0; 3];
+    for k in 0..counts[2] {
+        for j in 0..counts[1] {
+            for i in 0..counts[0] {
+                let cell = linear(counts, [i, j, k]);
+                let block = grid.index([i / 4, j / 4, k / 4]);
+                let resident = levels.by_block[block].is_some();
+                assert_eq!(cells.stored_range(cell).is_some(), resident);
+                assert_eq!(all[cell], u8::from(resident));
+                let bright = cells.stored_range(cell).is_some_and(|r| r[1] > 0.97);
+                assert_eq!(some[cell], u8::from(bright));
+                kinds[usize::from(resident) + usize::from(bright)] += 1;
+            }
+        }
+    }
+    assert!(
+        kinds.iter().all(|&n| n > 0),
+        "not all kinds occur: {kinds:?}"
+    );
+}
+
+#[test]
+fn distances_are_the_chessboard_metric() {
+    let mut random = Random(23);
+    for (counts, one_in) in [
+        ([13, 9, 11], 3),
+        ([13, 9, 11], 60),
+        ([20, 1, 17], 40),
+        ([1, 1, 30], 12),
+        ([16, 15, 14], 1500),
+    ] {
+        let [w, h, d] = counts.map(|n: u32| n as usize);
+        let mut occupancy: Vec<u8> = (0..w * h * d)
+            .map(|_| u8::from(random.below(one_in) == 0))
+            .collect();
+        occupancy[w * h * d / 2] = 1;
+        let place = |i: usize| [i % w, i / w % h, i / (w * h)];
+        let got = chessboard_distance(counts, &occupancy);
+        for (i, &distance) in got.iter().enumerate() {
+            let nearest = (0..occupancy.len())
+                .filter(|&j| occupancy[j] != 0)
+                .map(|j| (0..3).map(|a| place(i)[a].abs_diff(place(j)[a])).max())
+                .min()
+                .flatten();
+            assert_eq!(Some(usize::from(distance)), nearest, "cell {:?}", place(i));
+        }
+    }
+}
+
+#[test]
+fn distances_end_at_their_largest() {
+    let mut occupancy = vec![0; 600];
+    assert!(
+        chessboard_distance([600, 1, 1], &occupancy)
+            .iter()
+            .all(|&d| d == 254)
+    );
+    occupancy[0] = 1;
+    let got = chessboard_distance([600, 1, 1], &occupancy);
+    for (i, &d) in got.iter().enumerate() {
+        assert_eq!(usize::from(d), i.min(254));
+    }
+}

@@ -1,5 +1,7 @@
 //! Number types of voxels in files.
 
+use std::fmt;
+
 use bytemuck::Pod;
 
 /// Type of a stored voxel. Those wider than a [`Volume`](crate::volume::Volume) holds are narrowed exactly.
@@ -26,6 +28,23 @@ impl Element {
             Self::U32 | Self::I32 | Self::F32 => 4,
             Self::U64 | Self::I64 | Self::F64 => 8,
         }
+    }
+}
+
+impl fmt::Display for Element {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::U8 => "u8",
+            Self::I8 => "i8",
+            Self::U16 => "u16",
+            Self::I16 => "i16",
+            Self::U32 => "u32",
+            Self::I32 => "i32",
+            Self::U64 => "u64",
+            Self::I64 => "i64",
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        })
     }
 }
 

@@ -6,6 +6,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use super::Limits;
 use super::element::Element;
+use super::source;
 use crate::error::{Error, Result};
 use crate::volume::{MIN_SIZE, Rescale, Volume, Voxels};
 
@@ -32,7 +33,7 @@ impl Grid {
         element: Element,
         limits: &Limits,
     ) -> Result<Self> {
-        let bad = |message: String| Error::volume(path, format!("{key} {axes:?}: {message}"));
+        let bad = |message: String| source::bad(path, format!("{key} {axes:?}: {message}"));
         let (&[x, y, z], others) = axes
             .split_first_chunk::<3>()
             .ok_or_else(|| bad(format!("{} axes; a 3-D volume is needed", axes.len())))?;
@@ -88,7 +89,7 @@ pub(super) fn placement(
     steps_ws: [DVec3; 3],
     origin_ws: DVec3,
 ) -> Result<DAffine3> {
-    let bad = |message: String| Err(Error::volume(path, format!("{keys}: {message}")));
+    let bad = |message: String| Err(source::bad(path, format!("{keys}: {message}")));
     if !(origin_ws.is_finite() && steps_ws.iter().all(|s| s.is_finite())) {
         return bad(format!(
             "all numbers must be finite, got axis steps {} and origin {origin_ws}",
@@ -123,7 +124,7 @@ pub(super) fn positive_spacing(path: &Path, key: &str, spacing: [f64; 3]) -> Res
     if spacing.iter().all(|s| s.is_finite() && *s > 0.0) {
         return Ok(DVec3::from_array(spacing));
     }
-    Err(Error::volume(
+    Err(source::bad(
         path,
         format!("{key} {spacing:?}: distances between voxels must be finite and above 0"),
     ))
@@ -138,7 +139,7 @@ pub(super) fn volume(
     rescale: Rescale,
 ) -> Result<Volume> {
     Volume::new(voxels, grid.size, world_from_ix, rescale).map_err(|error| match error {
-        Error::Invalid { at, message } => Error::volume(path, format!("{at}: {message}")),
+        Error::Invalid { at, message } => source::bad(path, format!("{at}: {message}")),
         other => other,
     })
 }

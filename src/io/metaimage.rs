@@ -11,7 +11,7 @@ use glam::{DAffine3, DVec3};
 use super::element::Element;
 use super::grid::{self, Grid};
 use super::payload::{Coding, Payload};
-use super::source::Source;
+use super::source::{self, Source};
 use super::{Format, ReadOptions, detached, text};
 use crate::error::{Error, Result};
 use crate::scene::Endian;
@@ -138,7 +138,7 @@ impl Header {
     }
 
     fn bad(&self, message: String) -> Error {
-        Error::volume(&self.path, message)
+        source::bad(&self.path, message)
     }
 }
 

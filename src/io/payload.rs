@@ -1,5 +1,6 @@
 //! Voxels as they lie in a file, decoded straight into the array that stays.
 
+use std::fmt;
 use std::io::{self, Read};
 use std::path::PathBuf;
 
@@ -36,6 +37,18 @@ pub(super) enum Coding {
     Ascii,
     /// Two hexadecimal digits per byte.
     Hex,
+}
+
+impl fmt::Display for Coding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Raw => "uncompressed",
+            Self::Gzip => "gzip",
+            Self::Zlib => "zlib",
+            Self::Ascii => "text",
+            Self::Hex => "hexadecimal",
+        })
+    }
 }
 
 /// What is known of the voxels before they are read.
@@ -112,7 +125,7 @@ impl Payload {
             return Ok(());
         }
         Err(source.bad(format!(
-            "{:?} voxels of type {:?} are {} bytes; as {:?} data after {} bytes of header they take at least \
+            "{:?} voxels of type {} are {} bytes; as {} data after {} bytes of header they take at least \
              {least} bytes, the file has {have}: it is cut short or its header is wrong",
             self.grid.size, self.element, self.grid.bytes, self.coding, self.skip
         )))
@@ -156,7 +169,7 @@ impl Stream<'_> {
                 return Err(Error::volume(
                     &self.path,
                     format!(
-                        "voxel {} of type {:?} is {value}, which a 32-bit float cannot hold exactly; \
+                        "voxel {} of type {} is {value}, which a 32-bit float cannot hold exactly; \
                          convert the file to u8, i8, u16, i16 or f32",
                         start + at,
                         self.element

@@ -60,7 +60,7 @@ pub(super) fn read(
         Coding::Raw
     } else {
         let mismatch = format!(
-            "volume.raw describes {needed} bytes (offset {} + {:?} voxels of type {element:?}), the file has {}",
+            "volume.raw describes {needed} bytes (offset {} + {:?} voxels of type {element}), the file has {}",
             description.offset,
             description.size,
             source.remaining()

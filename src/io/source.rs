@@ -96,8 +96,14 @@ impl Source {
         ))
     }
 
+    /// Passes over a line of any length; false at the end of the file.
+    pub(super) fn skip_line(&mut self) -> Result<bool> {
+        let skipped = self.skip_until(b'\n');
+        Ok(skipped.map_err(|e| Error::io(&self.path, e))? > 0)
+    }
+
     pub(super) fn bad(&self, message: String) -> Error {
-        Error::volume(&self.path, message)
+        bad(&self.path, message)
     }
 }
 
@@ -118,6 +124,18 @@ impl BufRead for Source {
         self.position += bytes as u64;
         self.file.consume(bytes);
     }
+}
+
+/// Longest message about a file, in characters: damaged headers are quoted, and can be megabytes long.
+const MAX_MESSAGE_CHARS: usize = 1000;
+
+/// An [`Error::Volume`] of bounded length.
+pub(super) fn bad(path: &Path, mut message: String) -> Error {
+    if let Some((end, _)) = message.char_indices().nth(MAX_MESSAGE_CHARS) {
+        message.truncate(end);
+        message.push('…');
+    }
+    Error::volume(path, message)
 }
 
 /// Names the file in what a read or a decoder said. Decoders report damage as `InvalidData` or `InvalidInput`.

@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::str::FromStr;
 
-use crate::error::{Error, Result};
+use super::source;
+use crate::error::Result;
 
 /// All white-space separated numbers of a header's field. `what` says what they should be.
 pub(super) fn numbers<T: FromStr>(
@@ -15,7 +16,7 @@ pub(super) fn numbers<T: FromStr>(
     text.split_whitespace()
         .map(|word| {
             word.parse().map_err(|_| {
-                Error::volume(path, format!("{key}: {word:?} is not {what} (in {text:?})"))
+                source::bad(path, format!("{key}: {word:?} is not {what} (in {text:?})"))
             })
         })
         .collect()
@@ -32,7 +33,7 @@ pub(super) fn floats(path: &Path, key: &str, text: &str, count: usize) -> Result
     if all.len() == count {
         return Ok(all);
     }
-    Err(Error::volume(
+    Err(source::bad(
         path,
         format!(
             "{key} {text:?}: {count} numbers are needed, {} are there",
@@ -54,7 +55,7 @@ pub(super) fn one_of<T: Copy>(
         .map(|&(_, value)| value)
         .ok_or_else(|| {
             let names: Vec<&str> = valid.iter().map(|&(name, _)| name).collect();
-            Error::volume(
+            source::bad(
                 path,
                 format!("{key} {text:?} is not read; valid are {}", names.join(", ")),
             )

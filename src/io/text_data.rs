@@ -56,7 +56,7 @@ impl<R: BufRead> Read for AsciiDecoder<R> {
             self.value = bytes_of(&token, self.element).ok_or_else(|| {
                 io::Error::new(
                     ErrorKind::InvalidData,
-                    format!("{token:?} is not a number of type {:?}", self.element),
+                    format!("{token:?} is not a number of type {}", self.element),
                 )
             })?;
             self.given = 0;

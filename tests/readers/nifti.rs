@@ -206,7 +206,8 @@ fn forms_in_their_order() {
             |header: &Nifti| open(&scratch.file("a.nii", &header.with(&Kind::U8.data(big))));
 
         let [sx, sy, sz] = SPACING;
-        let scaled = [[-sx, 0., 0.], [0., -sy, 0.], [0., 0., sz]];
+        // No form: no orientation, as in ITK.
+        let scaled = [[sx, 0., 0.], [0., sy, 0.], [0., 0., sz]];
         assert_placed(&place(&header), scaled, [0.; 3], 0.0);
 
         // qform: RAS (0,sx,0), (0,0,sy), (sz,0,0).

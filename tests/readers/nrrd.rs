@@ -362,7 +362,7 @@ fn wrong_data_name_the_place() {
                 header(Kind::U8, false, "ascii", ""),
                 "1 2 256 ".repeat(20).as_bytes(),
             ),
-            ["256", "U8"],
+            ["256", "type u8"],
         ),
         (
             attached(

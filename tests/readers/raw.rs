@@ -180,6 +180,26 @@ fn limits_bind() {
 }
 
 #[test]
+fn messages_stay_short_whatever_they_quote() {
+    let scratch = Scratch::new();
+    let long = "x".repeat(100_000);
+    for (name, bytes) in [
+        ("a.nrrd", format!("NRRD0004\n{long}\n")),
+        ("a.mha", format!("NDims = 3\nDimSize = {long}\n{long}")),
+    ] {
+        let path = scratch.file(name, bytes.as_bytes());
+        let message = read(&path, &ReadOptions::default())
+            .unwrap_err()
+            .to_string();
+        assert!(
+            message.contains(name) && message.contains("xxx"),
+            "{message}"
+        );
+        assert!(message.len() < 1500, "{} bytes", message.len());
+    }
+}
+
+#[test]
 fn progress_reaches_the_end() {
     let scratch = Scratch::new();
     let size = [128, 128, 100];

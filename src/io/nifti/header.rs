@@ -177,7 +177,7 @@ impl Header {
         known.map(|&(_, element)| element).ok_or_else(|| {
             let valid: Vec<String> = DATATYPES
                 .iter()
-                .map(|(code, element)| format!("{code} ({element:?})"))
+                .map(|(code, element)| format!("{code} ({element})"))
                 .collect();
             self.bad(format!(
                 "datatype {code} is not a scalar that is read; valid are {}",

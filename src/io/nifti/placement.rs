@@ -1,6 +1,6 @@
 //! Where a NIfTI grid lies in the world: `sform`, else `qform`, else the voxel sizes alone.
 
-use glam::{DAffine3, DQuat, DVec3};
+use glam::{DAffine3, DQuat, DVec3, DVec4};
 
 use super::header::Header;
 use crate::error::Result;
@@ -15,35 +15,29 @@ const MIN_REAL_PART_SQUARED: f64 = 1e-7;
 /// World (mm, LPS) from voxel index.
 pub(super) fn world_from_ix(header: &Header) -> Result<DAffine3> {
     let (qform_code, sform_code) = header.form_codes();
-    let (keys, steps, origin) = if sform_code > 0 {
-        let [x, y, z] = header.affine_rows();
-        let column = |i: usize| {
-            let row = |r: [f64; 4]| r.get(i).copied().unwrap_or_default();
-            DVec3::new(row(x), row(y), row(z))
-        };
-        (
-            "srow_x, srow_y, srow_z",
-            [column(0), column(1), column(2)],
-            column(3),
-        )
+    let (keys, steps, origin, lps_from_form) = if sform_code > 0 {
+        let rows = header.affine_rows().map(DVec4::from_array);
+        let steps = [rows.map(|r| r.x), rows.map(|r| r.y), rows.map(|r| r.z)];
+        let origin = DVec3::from_array(rows.map(|r| r.w));
+        let steps = steps.map(DVec3::from_array);
+        ("srow_x, srow_y, srow_z", steps, origin, LPS_FROM_RAS)
     } else if qform_code > 0 {
         let (steps, origin) = qform(header)?;
-        ("quatern_b, quatern_c, quatern_d, qoffset", steps, origin)
+        let keys = "quatern_b, quatern_c, quatern_d, qoffset";
+        (keys, steps, origin, LPS_FROM_RAS)
     } else {
+        // Method 1 attaches no orientation to the axes, so there is nothing to turn; ITK does the same.
         let spacing = grid::positive_spacing(header.path(), "pixdim", header.spacing())?;
         let [x, y, z] = DVec3::AXES;
-        (
-            "pixdim",
-            [x * spacing.x, y * spacing.y, z * spacing.z],
-            DVec3::ZERO,
-        )
+        let steps = [x * spacing.x, y * spacing.y, z * spacing.z];
+        ("pixdim", steps, DVec3::ZERO, DVec3::ONE)
     };
     let mm = match header.space_unit() {
         1 => 1000.0,
         3 => 1e-3,
         _ => 1.0,
     };
-    let lps = LPS_FROM_RAS * mm;
+    let lps = lps_from_form * mm;
     grid::placement(
         header.path(),
         keys,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
-use crate::io::source::Source;
+use crate::io::source::{self, Source};
 
 /// What every header starts with; four digits of the version follow.
 pub(super) const MAGIC: &[u8] = b"NRRD00";
@@ -17,6 +17,9 @@ const VERSIONS: &[&str] = &[
     "NRRD0004",
     "NRRD0005",
 ];
+
+/// Most axes that the format's own library handles.
+const MAX_DIMENSION: usize = 16;
 
 /// Every field of the definition, in its main spelling.
 const FIELDS: &[&str] = &[
@@ -96,9 +99,15 @@ impl Header {
             header.take(&line)?;
         }
         let dimension = header.required("dimension")?;
-        header.dimension = dimension.parse().map_err(|_| {
-            header.bad(&format!("dimension: {dimension:?} is not a number of axes"))
-        })?;
+        header.dimension = dimension
+            .parse()
+            .ok()
+            .filter(|n| (1..=MAX_DIMENSION).contains(n))
+            .ok_or_else(|| {
+                header.bad(&format!(
+                    "dimension: {dimension:?} is not a number of axes from 1 to {MAX_DIMENSION}"
+                ))
+            })?;
         Ok(header)
     }
 
@@ -160,6 +169,6 @@ impl Header {
     }
 
     pub(super) fn bad(&self, message: &str) -> Error {
-        Error::volume(&self.path, message)
+        source::bad(&self.path, message.into())
     }
 }

@@ -146,8 +146,7 @@ fn skip_to_data(header: &Header, source: &mut Source, coding: Coding, grid: Grid
     let lines = u64::try_from(number("line skip")?)
         .map_err(|_| header.bad("line skip: must not be negative"))?;
     for skipped in 0..lines {
-        let mut budget = u64::MAX;
-        if source.line(&mut budget)?.is_none() {
+        if !source.skip_line()? {
             return Err(source.bad(format!(
                 "line skip: {lines} lines are to be skipped, the file has {skipped}"
             )));

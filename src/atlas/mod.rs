@@ -14,5 +14,5 @@ pub(crate) use images::{Images, LIGHT_TEXEL_BYTES, LightLists};
 pub(crate) use light_work::LightWork;
 pub(crate) use residency::{Residency, Store};
 pub(crate) use transfer_table::{SampleScale, TransferTable};
-pub(crate) use upload::Uploads;
+pub(crate) use upload::{UploadResources, Uploads};
 pub(crate) use visibility::Visibility;

@@ -25,12 +25,6 @@ pub(crate) struct Uploads {
     light_cleared: bool,
 }
 
-/// What one frame uploaded.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Uploaded {
-    pub(crate) bytes: u64,
-}
-
 impl Uploads {
     /// Everything.
     pub(crate) fn all(residency: &Residency) -> Self {
@@ -51,6 +45,11 @@ impl Uploads {
         self.skip = true;
     }
 
+    /// True when there is something to record.
+    pub(crate) fn pending(&self) -> bool {
+        !self.bricks_complete() || self.transfer || self.skip || self.index || !self.light_cleared
+    }
+
     /// Bricks not on the device yet.
     pub(crate) fn missing_bricks(&self) -> usize {
         self.blocks.len() - self.next
@@ -61,18 +60,18 @@ impl Uploads {
         self.missing_bricks() == 0
     }
 
-    /// Records the uploads of one frame, of about `budget` bytes of bricks.
+    /// Records the uploads of one frame, of about `budget` bytes of bricks, and tells how many there were.
     pub(crate) fn record(
         &mut self,
         context: &Arc<Context>,
         recorder: &mut Recorder<'_>,
         resources: &UploadResources<'_>,
         budget: usize,
-    ) -> Result<Uploaded> {
+    ) -> Result<u64> {
         let UploadResources { images, store, residency, table, distances } = *resources;
-        let mut uploaded = Uploaded::default();
+        let mut uploaded = 0;
         if !self.bricks_complete() {
-            uploaded.bytes += self.bricks(context, recorder, resources, budget)?;
+            uploaded += self.bricks(context, recorder, resources, budget)?;
             self.index = true;
         }
         if self.index {

@@ -107,6 +107,19 @@ impl Buffer {
         Ok(unsafe { std::slice::from_raw_parts_mut(pointer, self.bytes as usize) })
     }
 
+    /// Copies `data` to `offset`. For buffers that are shared: parts already given to a frame are not written again until it
+    /// has completed.
+    pub(super) fn write(&self, offset: u64, data: &[u8]) -> Result<()> {
+        let pointer = self.mapped_pointer()?;
+        assert!(offset + data.len() as u64 <= self.bytes, "{} holds what is written to it", self.name);
+        // SAFETY: inside the mapped block (asserted). The buffer is not `Sync` (`Cell`), and host views by reference are only
+        // made through `&mut self` or after the frame completed, so nothing else touches this part now.
+        unsafe {
+            std::ptr::copy_nonoverlapping(data.as_ptr(), pointer.add(offset as usize), data.len());
+        }
+        Ok(())
+    }
+
     /// The host's view for reading, after the frame that wrote it has completed.
     pub(crate) fn mapped(&self) -> Result<&[u8]> {
         let pointer = self.mapped_pointer()?;

@@ -31,7 +31,8 @@ pub(crate) struct FrameSlot {
     frame: u64,
     pub(super) descriptors: vk::DescriptorPool,
     queries: vk::QueryPool,
-    uniforms: Buffer,
+    /// Shared so that it can be bound while the slot is recorded with.
+    uniforms: Arc<Buffer>,
     uniform_bytes: u64,
     markers: Buffer,
     passes: Vec<&'static str>,
@@ -53,13 +54,13 @@ impl FrameSlot {
             frame: 0,
             descriptors: vk::DescriptorPool::null(),
             queries: vk::QueryPool::null(),
-            uniforms: Buffer::new(
+            uniforms: Arc::new(Buffer::new(
                 context,
                 "umbravox.frame.uniforms",
                 UNIFORM_BYTES,
                 vk::BufferUsageFlags::UNIFORM_BUFFER,
                 MemoryLocation::Upload,
-            )?,
+            )?),
             uniform_bytes: 0,
             markers: Buffer::new(
                 context,
@@ -104,15 +105,14 @@ impl FrameSlot {
         let offset = self.uniform_bytes;
         let bytes = data.len() as u64;
         debug_assert!(offset + bytes <= UNIFORM_BYTES, "uniforms of a frame fit its buffer");
-        self.uniforms.mapped_mut()?[offset as usize..(offset + bytes) as usize]
-            .copy_from_slice(data);
+        self.uniforms.write(offset, data)?;
         self.uniform_bytes = (offset + bytes).next_multiple_of(UNIFORM_ALIGNMENT);
         Ok((offset, bytes))
     }
 
     /// The buffer that [`FrameSlot::uniforms`] writes to.
-    pub(crate) fn uniform_buffer(&self) -> &Buffer {
-        &self.uniforms
+    pub(crate) fn uniform_buffer(&self) -> Arc<Buffer> {
+        self.uniforms.clone()
     }
 
     /// # Safety

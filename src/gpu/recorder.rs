@@ -73,6 +73,11 @@ impl<'a> Recorder<'a> {
         self.slot
     }
 
+    /// Where the frame's uniforms lie.
+    pub(crate) fn uniform_buffer(&self) -> Arc<Buffer> {
+        self.slot.uniform_buffer()
+    }
+
     /// Runs `body` as a named, labelled, timed pass.
     pub(crate) fn pass<T>(
         &mut self,

@@ -1,0 +1,214 @@
+//! A volume on a device, drawn frame by frame.
+//!
+//! [`Renderer`] owns the data, the images and the passes of one volume. It records; who submits is no concern of it
+//! (`embed` for a host's command buffer, `headless` for our own).
+
+mod light;
+mod loaded;
+mod rays;
+mod settings;
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use crate::error::{Error, Result};
+use crate::gpu::{Context, FrameSlots, Image, PassTime, Recorder};
+use crate::volume::Volume;
+
+pub(crate) use loaded::Loaded;
+pub(crate) use rays::{RayBasis, ix_from_clip};
+
+pub use rays::DepthRange;
+pub use settings::Settings;
+
+/// What a frame is drawn into, in `GENERAL` while the march runs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FrameTarget {
+    pub(crate) view: vk::ImageView,
+    pub(crate) format: vk::Format,
+    pub(crate) size_px: [u32; 2],
+    pub(crate) encode_srgb: bool,
+    /// Composite over what the target holds, instead of over `background`.
+    pub(crate) blend: bool,
+    /// Linear; alpha 0: the result stays premultiplied over nothing.
+    pub(crate) background: [f32; 4],
+}
+
+/// The host's depth image, sampled in `layout`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FrameDepth {
+    pub(crate) view: vk::ImageView,
+    pub(crate) layout: vk::ImageLayout,
+    pub(crate) range: DepthRange,
+    pub(crate) ix_from_clip: glam::DMat4,
+}
+
+/// One frame.
+pub(crate) struct Frame<'a> {
+    pub(crate) rays: RayBasis,
+    pub(crate) target: FrameTarget,
+    pub(crate) depth: Option<FrameDepth>,
+    /// Depth and sample counts are written here.
+    pub(crate) aux: Option<&'a Image>,
+    /// Seeds the jitter.
+    pub(crate) number: u32,
+    /// Bytes of bricks to upload at most.
+    pub(crate) upload_budget: usize,
+}
+
+/// What to record of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Work {
+    /// Uploads, one direction of light, the picture.
+    Everything,
+    /// Uploads and one direction of light.
+    LightOnly,
+    /// Uploads and the picture.
+    PictureOnly,
+}
+
+/// What a recorded frame does and what is still missing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FrameReport {
+    /// Bricks on the device once the frame completes.
+    pub bricks_resident: usize,
+    /// Bricks still to be uploaded; regions they cover are drawn empty until then.
+    pub bricks_missing: usize,
+    /// Bytes of bricks that this frame uploads.
+    pub uploaded_bytes: u64,
+    /// Directions in the light volume once the frame completes.
+    pub light_traced: u32,
+    /// Directions of the complete light volume; 0: ambient occlusion is off.
+    pub light_rays: u32,
+}
+
+impl FrameReport {
+    /// True when later frames of the same scene would look the same (but for jitter).
+    pub fn is_complete(&self) -> bool {
+        self.bricks_missing == 0 && self.light_traced == self.light_rays
+    }
+}
+
+/// Draws one volume. Any number of renderers share a [`Context`].
+///
+/// May be dropped at any time while the context lives: what frames in flight use is destroyed when the host's frame numbers
+/// say so.
+pub struct Renderer {
+    context: Arc<Context>,
+    slots: FrameSlots,
+    loaded: Loaded,
+    last_index: u64,
+}
+
+impl Renderer {
+    /// Analyses a volume (on all CPU cores) and creates its images; nothing is recorded yet.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`], [`Error::Unsupported`] for extents beyond the device's limits, [`Error::Invalid`] for settings
+    /// that no residency satisfies.
+    pub fn new(context: &Arc<Context>, volume: Arc<Volume>, settings: Settings) -> Result<Self> {
+        Ok(Self {
+            context: context.clone(),
+            slots: FrameSlots::default(),
+            loaded: Loaded::new(context, volume, settings)?,
+            last_index: 0,
+        })
+    }
+
+    /// The context it draws with.
+    pub fn context(&self) -> &Arc<Context> {
+        &self.context
+    }
+
+    /// What it draws by.
+    pub fn settings(&self) -> &Settings {
+        self.loaded.settings()
+    }
+
+    /// Changes what it draws by. Levels are chosen again when the transfer function or the storage changed; the light starts
+    /// again when transfer function, levels or its own settings did, and never otherwise.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`]; the old settings stay in force then.
+    pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
+        self.loaded.set_settings(&self.context, settings)
+    }
+
+    /// Largest edge of a dispatch's tile, pixels; a multiple of 8. Changes no pixel.
+    pub fn set_tile(&mut self, tile: Option<u32>) {
+        self.loaded.tile = tile.map(|t| t.max(8).next_multiple_of(8));
+    }
+
+    /// GPU times (ms) of the passes of the newest frame known to have completed; empty where the device has no timestamps.
+    pub fn pass_times(&self) -> Vec<(&'static str, f64)> {
+        self.slots.latest_times().iter().map(|t| (t.name, t.ms)).collect()
+    }
+
+    /// The last pass known to have started: what to report when the host's submission says that the device was lost.
+    pub fn last_pass(&self) -> Option<&'static str> {
+        self.slots.last_started()
+    }
+
+    /// The volume, its residency and its light, for readers.
+    pub(crate) fn loaded(&self) -> &Loaded {
+        &self.loaded
+    }
+
+    pub(crate) fn pass_times_of(&self, index: u64) -> Vec<PassTime> {
+        self.slots.times_of(index)
+    }
+
+    /// Starts a frame: retires what older ones used and hands out a recorder.
+    ///
+    /// # Safety
+    /// As `embed`'s `record`.
+    pub(crate) fn begin_frame<T>(
+        &mut self,
+        index: u64,
+        completed: u64,
+        recorder: impl FnOnce(&Arc<Context>, &mut FrameSlots, &mut Loaded) -> Result<T>,
+    ) -> Result<T> {
+        if index <= self.last_index || completed >= index {
+            return Err(Error::invalid(
+                "frame index",
+                format!(
+                    "frame {index} after frame {} with {completed} completed; indices must grow and be above what has \
+                     completed",
+                    self.last_index
+                ),
+            ));
+        }
+        self.last_index = index;
+        self.context.retire.begin(index);
+        recorder(&self.context, &mut self.slots, &mut self.loaded)
+    }
+}
+
+/// Names of the passes, as labels, in timings and in crash reports.
+pub(crate) mod pass_name {
+    pub(crate) const UPLOAD: &str = "upload";
+    pub(crate) const LIGHT: &str = "light";
+    pub(crate) const LIGHT_SEAM: &str = "light_seam";
+    pub(crate) const MARCH: &str = "march";
+}
+
+/// Records one frame.
+pub(crate) fn record(
+    context: &Arc<Context>,
+    recorder: &mut Recorder<'_>,
+    loaded: &mut Loaded,
+    frame: &Frame<'_>,
+    work: Work,
+) -> Result<FrameReport> {
+    let mut report = loaded.record_uploads(context, recorder, frame.upload_budget)?;
+    let volume = recorder.slot().uniforms(bytemuck::bytes_of(&loaded.volume_params()))?;
+    if work != Work::PictureOnly {
+        loaded.record_light(context, recorder, volume)?;
+    }
+    if work != Work::LightOnly {
+        loaded.record_march(context, recorder, volume, frame)?;
+    }
+    (report.light_traced, report.light_rays) = loaded.light_progress();
+    Ok(report)
+}

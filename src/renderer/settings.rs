@@ -1,0 +1,51 @@
+//! How a volume is drawn, apart from the camera.
+
+use crate::error::Result;
+use crate::scene::{AmbientOcclusion, Curve, Lighting, March, Scene, Storage};
+use crate::volume::Volume;
+
+/// What a [`super::Renderer`] draws by. Values are those of a checked scene ([`Scene::validate`]).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Transfer function, colours decoded.
+    pub curve: Curve,
+    /// Ray sampling.
+    pub march: March,
+    /// Shading.
+    pub lighting: Lighting,
+    /// Local ambient occlusion; `None`: off.
+    pub ambient_occlusion: Option<AmbientOcclusion>,
+    /// Levels of detail and memory.
+    pub storage: Storage,
+    /// Opacity at which a ray's depth is taken, (0,1].
+    pub depth_threshold: f64,
+}
+
+impl Settings {
+    /// What a scene says, for the volume it draws.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::Invalid`] when the scene is not valid.
+    pub fn of_scene(scene: &Scene, volume: &Volume) -> Result<Self> {
+        scene.validate()?;
+        Ok(Self {
+            curve: scene.transfer_function.curve(volume, scene.image.color_management)?,
+            march: scene.march.clone(),
+            lighting: scene.lighting.clone(),
+            ambient_occlusion: scene.ambient_occlusion.clone(),
+            storage: scene.storage.clone(),
+            depth_threshold: scene.image.depth_threshold,
+        })
+    }
+
+    /// True when the light volume of `self` is still right under `other`, given equal levels.
+    pub(super) fn same_light(&self, other: &Self) -> bool {
+        // The bias is added when light is used; everything else goes into the volume.
+        let traced = |ao: &Option<AmbientOcclusion>| {
+            ao.clone().map(|ao| AmbientOcclusion { bias: 0.0, ..ao })
+        };
+        traced(&self.ambient_occlusion) == traced(&other.ambient_occlusion)
+            && self.curve == other.curve
+            && self.march.inter_block_interpolation == other.march.inter_block_interpolation
+    }
+}

@@ -24,7 +24,7 @@ pub struct AmbientOcclusion {
     pub bias: f64,
     /// Where the directions come from. Default Fibonacci.
     pub directions: DirectionSet,
-    /// One weight in [0,1] per direction; `null`: all 1.
+    /// One weight from 0 to 1 per direction; `null`: all 1.
     pub weights: Option<Vec<f64>>,
     /// Explicit directions (towards the light, any length > 0, world space) in place of `rays` and `directions`.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -39,7 +39,7 @@ pub enum Camera {
         /// Turn about the vertical, degrees; 0 looks from anterior to posterior, positive from the patient's left. Default 30.
         #[serde(default = "default_azimuth")]
         azimuth: f64,
-        /// Height above the horizon, degrees, in [-90,90]. Default 20.
+        /// Height above the horizon, degrees, -90 to 90. Default 20.
         #[serde(default = "default_elevation")]
         elevation: f64,
         /// Magnification, > 0; 1 frames the bounding sphere. Default 1.

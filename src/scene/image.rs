@@ -12,7 +12,7 @@ pub struct Image {
     /// Width and height, pixels. Default 512 x 512.
     #[schemars(inner(range(min = 1, max = MAX_IMAGE_SIZE)))]
     pub size: [u32; 2],
-    /// Colour behind the volume, display values in [0,1]. Default black.
+    /// Colour behind the volume, display values from 0 to 1. Default black.
     pub background: [f64; 3],
     /// Default "linear".
     pub color_management: ColorManagement,

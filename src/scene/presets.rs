@@ -24,7 +24,7 @@ pub const PRESETS: &[Preset] = &[
         name: "ct-bone",
         description: "skeleton, with vessels and organs that hold contrast agent, in ivory",
         points: &[
-            (130.0, [0.55, 0.22, 0.14], 0.0),
+            (150.0, [0.55, 0.22, 0.14], 0.0),
             (220.0, [0.80, 0.50, 0.36], 0.10),
             (350.0, [0.93, 0.80, 0.64], 0.45),
             (700.0, [0.99, 0.95, 0.86], 0.85),
@@ -35,7 +35,7 @@ pub const PRESETS: &[Preset] = &[
         name: "ct-angio",
         description: "vessels with contrast agent in red, bone in ivory, metal in steel blue",
         points: &[
-            (140.0, [0.45, 0.03, 0.03], 0.0),
+            (160.0, [0.45, 0.03, 0.03], 0.0),
             (220.0, [0.72, 0.10, 0.07], 0.25),
             (380.0, [0.88, 0.30, 0.18], 0.50),
             (520.0, [0.94, 0.80, 0.62], 0.65),

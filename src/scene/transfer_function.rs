@@ -13,9 +13,9 @@ use crate::volume::Volume;
 pub struct ControlPoint {
     /// In the file's own units (Hounsfield in CT).
     pub value: f64,
-    /// Display colour, [0,1].
+    /// Display colour, each 0 to 1.
     pub color: [f64; 3],
-    /// Opacity over `unit_distance`, [0,1].
+    /// Opacity over `unit_distance`, 0 to 1.
     pub opacity: f64,
     /// Display colour of emitted light, >= 0; may exceed 1. Default none.
     #[serde(default)]

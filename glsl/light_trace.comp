@@ -51,7 +51,7 @@ Sample sample_at(vec3 p_ix, vec3 step_ix, float exponent, out uint run) {
     }
     Brick brick = brick_fetch(block_of(p_ix));
     if (brick.resident) {
-        Classified c = classify(reconstruct(brick, p_ix));
+        Classified c = classify(reconstruct_linear(brick, brick_local(brick, p_ix)));
         s.alpha = opacity_over(c.color_opacity.a, exponent);
         s.emission = c.emission;
     }

@@ -30,7 +30,7 @@ layout(set = 0, binding = BINDING_TARGET, BLEND_FORMAT) uniform image2D i_target
 #else
 layout(set = 0, binding = BINDING_TARGET) uniform writeonly image2D i_target;
 #endif
-layout(set = 0, binding = BINDING_AUX, rg32f) uniform writeonly image2D i_aux;
+layout(set = 0, binding = BINDING_AUX, rgba32f) uniform writeonly image2D i_aux;
 layout(push_constant) uniform Push { MarchPush push; };
 
 struct Accumulated {

@@ -17,16 +17,17 @@
 //! let report = unsafe { renderer.record(cmd, &input) }?;
 //! # Ok(()) }
 //! ```
-#![expect(unsafe_code, reason = "turns the host's raw handles into our own types; this file is the boundary")]
+#![expect(
+    unsafe_code,
+    reason = "turns the host's raw handles into our own types; this file is the boundary"
+)]
 
 use ash::vk;
 use glam::DMat4;
 
 use crate::error::{Error, Result};
-use crate::gpu::{Recorder, ViewBinding};
-use crate::renderer::{
-    self, Frame, FrameDepth, FrameTarget, RayBasis, Work, ix_from_clip,
-};
+use crate::gpu::{Access, Image, OwnedRecording, Recorder, ViewBinding};
+use crate::renderer::{self, Frame, FrameDepth, FrameTarget, RayBasis, Work, ix_from_clip};
 use crate::scene::View;
 
 pub use crate::gpu::memory::{
@@ -159,22 +160,35 @@ impl Renderer {
         let ix_from_world = self.loaded().store().volume.world_from_ix().inverse();
         let size_px = input.target.size_px;
         if size_px.contains(&0) {
-            return Err(Error::invalid("target.size_px", format!("{size_px:?} has no pixels")));
+            return Err(Error::invalid(
+                "target.size_px",
+                format!("{size_px:?} has no pixels"),
+            ));
         }
         let (rays, clip) = match input.camera {
             FrameCamera::View(view) => (RayBasis::from_view(&view, size_px), None),
-            FrameCamera::Matrices { view_from_world, clip_from_view, depth } => (
+            FrameCamera::Matrices {
+                view_from_world,
+                clip_from_view,
+                depth,
+            } => (
                 RayBasis::from_matrices(view_from_world, clip_from_view, depth, size_px)
                     .ok_or_else(|| {
                         Error::invalid("camera", "the matrices must be finite and invertible")
                     })?,
-                Some((ix_from_clip(ix_from_world, view_from_world, clip_from_view), depth)),
+                Some((
+                    ix_from_clip(ix_from_world, view_from_world, clip_from_view),
+                    depth,
+                )),
             ),
         };
         let depth = match (input.depth, clip) {
             (None, _) => None,
             (Some(_), None) => {
-                return Err(Error::invalid("depth", "a depth image needs a camera given by matrices"));
+                return Err(Error::invalid(
+                    "depth",
+                    "a depth image needs a camera given by matrices",
+                ));
             }
             (Some(image), Some((ix_from_clip, range))) => Some(FrameDepth {
                 view: image.view,
@@ -229,7 +243,10 @@ fn target_range(target: &Target) -> ViewBinding {
         base_array_layer: 0,
         layer_count: 1,
     };
-    ViewBinding { image: target.image, range }
+    ViewBinding {
+        image: target.image,
+        range,
+    }
 }
 
 fn depth_range(depth: &SceneDepth) -> ViewBinding {
@@ -240,7 +257,10 @@ fn depth_range(depth: &SceneDepth) -> ViewBinding {
         base_array_layer: 0,
         layer_count: 1,
     };
-    ViewBinding { image: depth.image, range }
+    ViewBinding {
+        image: depth.image,
+        range,
+    }
 }
 
 /// The use of the target while we record: read too where it is blended over.
@@ -252,8 +272,11 @@ fn marched(target: &Target) -> (vk::PipelineStageFlags, vk::AccessFlags, vk::Ima
     (SHADER, access, vk::ImageLayout::GENERAL)
 }
 
-const DEPTH_SAMPLED: (vk::PipelineStageFlags, vk::AccessFlags, vk::ImageLayout) =
-    (SHADER, vk::AccessFlags::SHADER_READ, vk::ImageLayout::DEPTH_STENCIL_READ_ONLY_OPTIMAL);
+const DEPTH_SAMPLED: (vk::PipelineStageFlags, vk::AccessFlags, vk::ImageLayout) = (
+    SHADER,
+    vk::AccessFlags::SHADER_READ,
+    vk::ImageLayout::DEPTH_STENCIL_READ_ONLY_OPTIMAL,
+);
 
 /// Takes over the host's images.
 fn enter(recorder: &mut Recorder<'_>, input: &FrameInput) {
@@ -273,4 +296,25 @@ fn leave(recorder: &mut Recorder<'_>, input: &FrameInput) {
         recorder.use_host_image(depth_range(depth), DEPTH_SAMPLED, masks(depth.exit));
     }
     recorder.flush();
+}
+
+/// Records a frame of `headless`: the target and the light are our own images.
+pub(crate) fn record_owned(
+    renderer: &mut Renderer,
+    recording: &OwnedRecording,
+    frame: &Frame<'_>,
+    target: &Image,
+    work: Work,
+) -> Result<FrameReport> {
+    let (index, completed) = (recording.index(), recording.index() - 1);
+    // SAFETY: `OwnedDevice::submit` waits for each frame before the next is recorded.
+    unsafe { renderer.context().collect(completed) };
+    renderer.begin_frame(index, completed, |context, slots, loaded| {
+        let slot = slots.acquire(context, index, completed)?;
+        // SAFETY: `OwnedDevice::submit` hands out a command buffer that is recording, on the context's queue family, and
+        // submits in order.
+        let mut recorder = unsafe { Recorder::new(context, recording.command_buffer(), slot) };
+        recorder.use_image(target, Access::Storage);
+        renderer::record(context, &mut recorder, loaded, frame, work)
+    })
 }

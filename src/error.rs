@@ -71,6 +71,9 @@ pub enum Error {
         /// What the system said.
         source: std::io::Error,
     },
+    /// The validation layer reported something: a fault of ours or of the driver.
+    #[error("Vulkan validation: {0}")]
+    Validation(String),
     /// An output file could not be encoded.
     #[error("{}: cannot encode: {message}", .path.display())]
     Encode {

@@ -5,7 +5,8 @@ layout(constant_id = SPEC_INTER_BLOCK) const bool INTER_BLOCK = true;
 
 const uint RECONSTRUCT_LINEAR = 0u;         // the texture unit's trilinear filter
 const uint RECONSTRUCT_LINEAR_MANUAL = 1u;  // eight fetches: formats that cannot be filtered
-const uint RECONSTRUCT_NEAREST = 2u;
+const uint RECONSTRUCT_NEAREST = 2u;        // gradients by the texture unit
+const uint RECONSTRUCT_NEAREST_MANUAL = 3u; // gradients by eight fetches
 
 layout(set = 0, binding = BINDING_ATLAS) uniform sampler3D t_atlas;
 
@@ -39,18 +40,19 @@ float atlas_linear_manual(vec3 at) {
     return mix(mix(v00, v10, f.y), mix(v01, v11, f.y), f.z);
 }
 
-// Texture sample at a position inside a brick (`local` from brick_local).
-float reconstruct_local(Brick b, vec3 local) {
-    if (RECONSTRUCTION == RECONSTRUCT_NEAREST) {
-        return atlas_texel(ivec3(b.origin_at + floor(local + 0.5)));
-    }
-    if (RECONSTRUCTION == RECONSTRUCT_LINEAR_MANUAL) {
+// Trilinear, whatever the march does: gradients and light follow the continuous field.
+float reconstruct_linear(Brick b, vec3 local) {
+    if (RECONSTRUCTION == RECONSTRUCT_LINEAR_MANUAL || RECONSTRUCTION == RECONSTRUCT_NEAREST_MANUAL) {
         return atlas_linear_manual(b.origin_at + local);
     }
     precise vec3 uvw = (b.origin_at + local + 0.5) * volume.atlas_texel;
     return textureLod(t_atlas, uvw, 0.0).r;
 }
 
-float reconstruct(Brick b, vec3 p_ix) {
-    return reconstruct_local(b, brick_local(b, p_ix));
+// Texture sample at a position inside a brick (`local` from brick_local).
+float reconstruct_local(Brick b, vec3 local) {
+    if (RECONSTRUCTION == RECONSTRUCT_NEAREST || RECONSTRUCTION == RECONSTRUCT_NEAREST_MANUAL) {
+        return atlas_texel(ivec3(b.origin_at + floor(local + 0.5)));
+    }
+    return reconstruct_linear(b, local);
 }

@@ -20,7 +20,7 @@ float gradient_tap(Brick b, inout vec3 p_ix) {
         p_ix = clamp(p_ix, b.base_ix, b.base_ix + b.cells);
         there = b;
     }
-    return reconstruct(there, p_ix);
+    return reconstruct_linear(there, brick_local(there, p_ix));
 }
 
 float gradient_axis(Brick b, vec3 p_ix, vec3 axis) {

@@ -62,7 +62,13 @@ impl Images {
             }
             Image::new(
                 context,
-                &ImageInfo { name: &name, extent, format, three_dimensional: true, usage },
+                &ImageInfo {
+                    name: &name,
+                    extent,
+                    format,
+                    three_dimensional: true,
+                    usage,
+                },
             )
         };
         let sampled = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
@@ -76,7 +82,12 @@ impl Images {
                 vk::Format::R16G16B16A16_UINT,
                 sampled,
             )?,
-            skip: volume_image("skip", residency.cells.counts(), vk::Format::R8_UINT, sampled)?,
+            skip: volume_image(
+                "skip",
+                residency.cells.counts(),
+                vk::Format::R8_UINT,
+                sampled,
+            )?,
             transfer: Image::new(
                 context,
                 &ImageInfo {
@@ -100,7 +111,10 @@ impl Images {
     }
 
     /// The index texture's texels, for the blocks that `uploaded` says are there.
-    pub(crate) fn index_texels(residency: &Residency, uploaded: impl Fn(usize) -> bool) -> Vec<u16> {
+    pub(crate) fn index_texels(
+        residency: &Residency,
+        uploaded: impl Fn(usize) -> bool,
+    ) -> Vec<u16> {
         let levels = &residency.selection.levels.by_block;
         residency
             .layout
@@ -120,15 +134,25 @@ impl Images {
 
     /// The sampler of the atlas; formats that cannot be filtered must not be bound with one that does.
     pub(crate) fn atlas_sampler(&self) -> &Sampler {
-        if self.manual_filter { &self.nearest } else { &self.linear }
+        if self.manual_filter {
+            &self.nearest
+        } else {
+            &self.linear
+        }
     }
 
     /// Device memory of all images, bytes.
     pub(crate) fn bytes(&self) -> u64 {
-        [&self.atlas, &self.index, &self.skip, &self.transfer, &self.light]
-            .iter()
-            .map(|i| i.bytes())
-            .sum()
+        [
+            &self.atlas,
+            &self.index,
+            &self.skip,
+            &self.transfer,
+            &self.light,
+        ]
+        .iter()
+        .map(|i| i.bytes())
+        .sum()
     }
 }
 
@@ -154,8 +178,13 @@ impl LightLists {
                 });
             }
             let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
-            let mut buffer =
-                Buffer::new(context, &name, bytes.len() as u64, usage, MemoryLocation::Upload)?;
+            let mut buffer = Buffer::new(
+                context,
+                &name,
+                bytes.len() as u64,
+                usage,
+                MemoryLocation::Upload,
+            )?;
             buffer.mapped_mut()?[..bytes.len()].copy_from_slice(bytes);
             Ok(buffer)
         };

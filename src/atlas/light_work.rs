@@ -49,9 +49,16 @@ impl LightWork {
         counts: [u32; 3],
         occupancy: &[u8],
     ) -> Self {
-        let finder = GroupFinder { grid, residency, counts, occupancy };
-        let work: Vec<BrickWork> =
-            (0..grid.len()).into_par_iter().filter_map(|block| finder.brick(block)).collect();
+        let finder = GroupFinder {
+            grid,
+            residency,
+            counts,
+            occupancy,
+        };
+        let work: Vec<BrickWork> = (0..grid.len())
+            .into_par_iter()
+            .filter_map(|block| finder.brick(block))
+            .collect();
         let mut lists = Self {
             bricks: Vec::with_capacity(work.len()),
             blocks: Vec::with_capacity(work.len()),
@@ -60,7 +67,9 @@ impl LightWork {
             seam_levels: [0; LEVELS + 1],
         };
         for (index, w) in work.iter().enumerate() {
-            let Some(origin_at) = residency.layout.origins()[w.block] else { continue };
+            let Some(origin_at) = residency.layout.origins()[w.block] else {
+                continue;
+            };
             lists.bricks.push(BrickRecord {
                 origin_at,
                 level: w.level.into(),
@@ -68,11 +77,19 @@ impl LightWork {
                 pad0: 0,
             });
             lists.blocks.push(w.block);
-            lists.trace.extend(w.trace.iter().map(|&group| [index as u32, group]));
+            lists
+                .trace
+                .extend(w.trace.iter().map(|&group| [index as u32, group]));
         }
         for level in 0..LEVELS {
-            for (index, w) in work.iter().enumerate().filter(|(_, w)| usize::from(w.level) == level) {
-                lists.seam.extend(w.seam.iter().map(|&group| [index as u32, group]));
+            for (index, w) in work
+                .iter()
+                .enumerate()
+                .filter(|(_, w)| usize::from(w.level) == level)
+            {
+                lists
+                    .seam
+                    .extend(w.seam.iter().map(|&group| [index as u32, group]));
             }
             lists.seam_levels[level + 1] = lists.seam.len();
         }
@@ -102,7 +119,12 @@ impl GroupFinder<'_> {
         let level = self.level(block)?;
         let intervals = self.grid.intervals(block, level);
         let around = self.neighbors(block, level);
-        let mut work = BrickWork { block, level, trace: Vec::new(), seam: Vec::new() };
+        let mut work = BrickWork {
+            block,
+            level,
+            trace: Vec::new(),
+            seam: Vec::new(),
+        };
         let groups = intervals.map(|n| n / GROUP + 1);
         for z in 0..groups[2] {
             for y in 0..groups[1] {

@@ -11,7 +11,7 @@ mod upload;
 mod visibility;
 
 pub(crate) use images::{Images, LIGHT_TEXEL_BYTES, LightLists};
-pub(crate) use light_work::LightWork;
+pub(crate) use light_work::{GROUP, LightWork};
 pub(crate) use residency::{Residency, Store};
 pub(crate) use transfer_table::{SampleScale, TransferTable};
 pub(crate) use upload::{UploadResources, Uploads};

@@ -61,8 +61,14 @@ impl Residency {
     /// Lays out the bricks of a selection.
     pub(crate) fn new(store: &Store, selection: Selection, max_extent_3d: u32) -> Result<Self> {
         let layout = AtlasLayout::plan(store.grid(), &selection.levels, max_extent_3d)?;
-        let bricks = BrickBuilder::new(&store.volume, store.grid(), &selection.levels)?;
-        let cells = CellGrid::new(&bricks, store.volume.rescale());
-        Ok(Self { selection, layout, cells })
+        let cells = {
+            let bricks = BrickBuilder::new(&store.volume, store.grid(), &selection.levels)?;
+            CellGrid::new(&bricks, store.volume.rescale())
+        };
+        Ok(Self {
+            selection,
+            layout,
+            cells,
+        })
     }
 }

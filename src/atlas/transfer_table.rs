@@ -84,7 +84,11 @@ impl TransferTable {
                 .min_by(|p, q| (*p - value).abs().total_cmp(&(*q - value).abs()))
                 .copied()
                 .unwrap_or(value);
-            if (nearest - value).abs() <= 2.0 * ALIGNED * width { nearest } else { value }
+            if (nearest - value).abs() <= 2.0 * ALIGNED * width {
+                nearest
+            } else {
+                value
+            }
         };
         let first_point = curve.points.first().map(|p| p.optical).unwrap_or_default();
         let last_point = curve.points.last().map(|p| p.optical).unwrap_or_default();
@@ -101,7 +105,15 @@ impl TransferTable {
             let shown = u32::from(shows(a) || shows(b));
             shown_before.push(shown_before.last().copied().unwrap_or(0) + shown);
         }
-        Self { curve: curve.clone(), samples, first: low, width, starts, ends, shown_before }
+        Self {
+            curve: curve.clone(),
+            samples,
+            first: low,
+            width,
+            starts,
+            ends,
+            shown_before,
+        }
     }
 
     /// The function itself.
@@ -116,7 +128,10 @@ impl TransferTable {
 
     /// Bins per unit of a texture sample, and the sample at which bin 1 starts.
     pub(crate) fn bin_from_sample(&self) -> (f64, f64) {
-        (self.samples.scale / self.width, self.samples.sample(self.first))
+        (
+            self.samples.scale / self.width,
+            self.samples.sample(self.first),
+        )
     }
 
     /// Four rows of RGBA: starts, ends, emission at starts, emission at ends.
@@ -224,7 +239,10 @@ mod tests {
     use super::{Classify, SampleScale, TransferTable};
     use crate::scene::{ColorManagement, ControlPoint, Curve};
 
-    const U8: SampleScale = SampleScale { scale: 255.0, offset: 0.0 };
+    const U8: SampleScale = SampleScale {
+        scale: 255.0,
+        offset: 0.0,
+    };
 
     fn curve(points: &[(f64, f64)]) -> Curve {
         let points: Vec<_> = points
@@ -255,7 +273,14 @@ mod tests {
     fn the_table_is_the_function() {
         let tables = [
             vec![(-1000.0, 0.0), (150.0, 0.0), (300.0, 0.4), (1200.0, 0.9)],
-            vec![(0.0, 0.0), (100.0, 0.0), (100.0, 1.0), (101.0, 1.0), (101.0, 0.2), (255.0, 0.2)],
+            vec![
+                (0.0, 0.0),
+                (100.0, 0.0),
+                (100.0, 1.0),
+                (101.0, 1.0),
+                (101.0, 0.2),
+                (255.0, 0.2),
+            ],
             vec![(10.0, 0.3)],
             vec![(50.0, 0.0), (50.0, 0.7)],
         ];
@@ -266,8 +291,14 @@ mod tests {
                 let value = -1100.0 + 0.2401 * f64::from(i);
                 let exact = curve.evaluate(value);
                 let got = look_up(&table, value);
-                assert!((got[3] - exact.opacity).abs() < 2e-6, "{points:?} at {value}: {got:?}");
-                assert!((got[0] - exact.color[0]).abs() < 2e-6, "{points:?} at {value}: {got:?}");
+                assert!(
+                    (got[3] - exact.opacity).abs() < 2e-6,
+                    "{points:?} at {value}: {got:?}"
+                );
+                assert!(
+                    (got[0] - exact.color[0]).abs() < 2e-6,
+                    "{points:?} at {value}: {got:?}"
+                );
             }
         }
     }
@@ -286,7 +317,13 @@ mod tests {
         assert!(ramp.visible([0.0, 1.0]));
         // A peak of one bin between transparent ends is found from a range around it.
         let peak = TransferTable::new(
-            &curve(&[(0.0, 0.0), (99.0, 0.0), (100.0, 1.0), (101.0, 0.0), (255.0, 0.0)]),
+            &curve(&[
+                (0.0, 0.0),
+                (99.0, 0.0),
+                (100.0, 1.0),
+                (101.0, 0.0),
+                (255.0, 0.0),
+            ]),
             U8,
         );
         assert!(peak.visible([0.0, 255.0]));
@@ -296,12 +333,23 @@ mod tests {
 
     #[test]
     fn a_range_is_visible_whenever_a_value_in_it_is() {
-        let curve = curve(&[(3.0, 0.0), (5.5, 0.0), (6.0, 0.25), (7.0, 0.0), (200.0, 0.0), (201.0, 0.5)]);
+        let curve = curve(&[
+            (3.0, 0.0),
+            (5.5, 0.0),
+            (6.0, 0.25),
+            (7.0, 0.0),
+            (200.0, 0.0),
+            (201.0, 0.5),
+        ]);
         let table = TransferTable::new(&curve, U8);
         for low in 0..400 {
             for length in 0..40 {
-                let (a, b) = (f64::from(low) * 0.55, f64::from(low) * 0.55 + f64::from(length) * 0.31);
-                let any = (0..=100).any(|i| curve.evaluate(a + (b - a) * f64::from(i) / 100.0).opacity > 1e-9);
+                let (a, b) = (
+                    f64::from(low) * 0.55,
+                    f64::from(low) * 0.55 + f64::from(length) * 0.31,
+                );
+                let any = (0..=100)
+                    .any(|i| curve.evaluate(a + (b - a) * f64::from(i) / 100.0).opacity > 1e-9);
                 assert!(!any || table.visible([a, b]), "[{a}, {b}]");
             }
         }

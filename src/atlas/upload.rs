@@ -68,7 +68,13 @@ impl Uploads {
         resources: &UploadResources<'_>,
         budget: usize,
     ) -> Result<u64> {
-        let UploadResources { images, store, residency, table, distances } = *resources;
+        let UploadResources {
+            images,
+            store,
+            residency,
+            table,
+            distances,
+        } = *resources;
         let mut uploaded = 0;
         if !self.bricks_complete() {
             uploaded += self.bricks(context, recorder, resources, budget)?;
@@ -77,11 +83,23 @@ impl Uploads {
         if self.index {
             let ready = self.ready(store);
             let texels = Images::index_texels(residency, |block| ready[block]);
-            whole(context, recorder, "umbravox.upload.index", bytemuck::cast_slice(&texels), &images.index)?;
+            whole(
+                context,
+                recorder,
+                "umbravox.upload.index",
+                bytemuck::cast_slice(&texels),
+                &images.index,
+            )?;
             self.index = false;
         }
         if self.skip {
-            whole(context, recorder, "umbravox.upload.skip", distances, &images.skip)?;
+            whole(
+                context,
+                recorder,
+                "umbravox.upload.skip",
+                distances,
+                &images.skip,
+            )?;
             self.skip = false;
         }
         if self.transfer {
@@ -121,7 +139,12 @@ impl Uploads {
         resources: &UploadResources<'_>,
         budget: usize,
     ) -> Result<u64> {
-        let UploadResources { images, store, residency, .. } = *resources;
+        let UploadResources {
+            images,
+            store,
+            residency,
+            ..
+        } = *resources;
         let builder = BrickBuilder::new(&store.volume, store.grid(), &residency.selection.levels)?;
         let mut sizes = Vec::new();
         let mut total = 0;
@@ -148,7 +171,10 @@ impl Uploads {
             parts.push(part);
             rest = tail;
         }
-        parts.into_par_iter().zip(batch).for_each(|(part, &block)| builder.write(block, part));
+        parts
+            .into_par_iter()
+            .zip(batch)
+            .for_each(|(part, &block)| builder.write(block, part));
         let mut offset = 0;
         let mut boxes = Vec::with_capacity(batch.len());
         for (&block, &bytes) in batch.iter().zip(&sizes) {

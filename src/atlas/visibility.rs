@@ -3,9 +3,9 @@
 use crate::volume::cells::chessboard_distance;
 use crate::volume::select::Classify as _;
 
+use super::TransferTable;
 use super::light_work::LightWork;
 use super::residency::{Residency, Store};
-use super::TransferTable;
 
 /// Skip distances, and the samples of the light volume that can be seen.
 pub(crate) struct Visibility {

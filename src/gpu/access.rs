@@ -51,15 +51,24 @@ impl Access {
         use vk::{AccessFlags as A, ImageLayout as L, PipelineStageFlags as S};
         let (stage, access, layout, writes) = match self {
             Self::None => (S::TOP_OF_PIPE, A::empty(), L::UNDEFINED, false),
-            Self::TransferRead => {
-                (S::TRANSFER, A::TRANSFER_READ, L::TRANSFER_SRC_OPTIMAL, false)
-            }
-            Self::TransferWrite => {
-                (S::TRANSFER, A::TRANSFER_WRITE, L::TRANSFER_DST_OPTIMAL, true)
-            }
-            Self::SampledRead => {
-                (S::COMPUTE_SHADER, A::SHADER_READ, L::SHADER_READ_ONLY_OPTIMAL, false)
-            }
+            Self::TransferRead => (
+                S::TRANSFER,
+                A::TRANSFER_READ,
+                L::TRANSFER_SRC_OPTIMAL,
+                false,
+            ),
+            Self::TransferWrite => (
+                S::TRANSFER,
+                A::TRANSFER_WRITE,
+                L::TRANSFER_DST_OPTIMAL,
+                true,
+            ),
+            Self::SampledRead => (
+                S::COMPUTE_SHADER,
+                A::SHADER_READ,
+                L::SHADER_READ_ONLY_OPTIMAL,
+                false,
+            ),
             Self::SampledGeneral => (S::COMPUTE_SHADER, A::SHADER_READ, L::GENERAL, false),
             Self::Storage => (
                 S::COMPUTE_SHADER,
@@ -70,7 +79,12 @@ impl Access {
             Self::StorageRead => (S::COMPUTE_SHADER, A::SHADER_READ, L::GENERAL, false),
             Self::HostRead => (S::HOST, A::HOST_READ, L::GENERAL, false),
         };
-        Masks { stage, access, layout, writes }
+        Masks {
+            stage,
+            access,
+            layout,
+            writes,
+        }
     }
 
     /// True when `next` has to wait for `self`, or the image has to change its layout in between.

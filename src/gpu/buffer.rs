@@ -75,8 +75,13 @@ impl Buffer {
         data: &[u8],
         usage: vk::BufferUsageFlags,
     ) -> Result<Self> {
-        let mut buffer =
-            Self::new(context, name, data.len() as u64, usage, MemoryLocation::Upload)?;
+        let mut buffer = Self::new(
+            context,
+            name,
+            data.len() as u64,
+            usage,
+            MemoryLocation::Upload,
+        )?;
         buffer.mapped_mut()?[..data.len()].copy_from_slice(data);
         Ok(buffer)
     }
@@ -90,13 +95,15 @@ impl Buffer {
     }
 
     fn mapped_pointer(&self) -> Result<*mut u8> {
-        self.block.as_ref().and_then(|b| b.mapped).map(|p| p.0.as_ptr()).ok_or_else(|| {
-            Error::Vulkan {
+        self.block
+            .as_ref()
+            .and_then(|b| b.mapped)
+            .map(|p| p.0.as_ptr())
+            .ok_or_else(|| Error::Vulkan {
                 call: "mapping memory",
                 object: self.name.clone(),
                 result: vk::Result::ERROR_MEMORY_MAP_FAILED,
-            }
-        })
+            })
     }
 
     /// The host's view for writing. Callers only write before the frame is recorded or after it has completed.
@@ -111,7 +118,11 @@ impl Buffer {
     /// has completed.
     pub(super) fn write(&self, offset: u64, data: &[u8]) -> Result<()> {
         let pointer = self.mapped_pointer()?;
-        assert!(offset + data.len() as u64 <= self.bytes, "{} holds what is written to it", self.name);
+        assert!(
+            offset + data.len() as u64 <= self.bytes,
+            "{} holds what is written to it",
+            self.name
+        );
         // SAFETY: inside the mapped block (asserted). The buffer is not `Sync` (`Cell`), and host views by reference are only
         // made through `&mut self` or after the frame completed, so nothing else touches this part now.
         unsafe {
@@ -131,7 +142,9 @@ impl Buffer {
 impl Drop for Buffer {
     fn drop(&mut self) {
         if let Some(block) = self.block.take() {
-            self.context.retire.push(Retired::Buffer(self.handle, block));
+            self.context
+                .retire
+                .push(Retired::Buffer(self.handle, block));
         }
     }
 }

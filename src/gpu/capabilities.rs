@@ -110,14 +110,23 @@ impl Capabilities {
         };
         let properties = properties.properties;
         let text = |chars: &[std::ffi::c_char]| {
-            let bytes: Vec<u8> =
-                chars.iter().take_while(|&&c| c != 0).map(|&c| c.to_ne_bytes()[0]).collect();
+            let bytes: Vec<u8> = chars
+                .iter()
+                .take_while(|&&c| c != 0)
+                .map(|&c| c.to_ne_bytes()[0])
+                .collect();
             String::from_utf8_lossy(&bytes).into_owned()
         };
-        let bits = families.get(queue_family as usize).map_or(0, |f| f.timestamp_valid_bits);
+        let bits = families
+            .get(queue_family as usize)
+            .map_or(0, |f| f.timestamp_valid_bits);
         Self {
             name: text(&properties.device_name),
-            driver: format!("{} {}", text(&driver.driver_name), text(&driver.driver_info)),
+            driver: format!(
+                "{} {}",
+                text(&driver.driver_name),
+                text(&driver.driver_info)
+            ),
             device_type: match properties.device_type {
                 vk::PhysicalDeviceType::DISCRETE_GPU => "discrete",
                 vk::PhysicalDeviceType::INTEGRATED_GPU => "integrated",
@@ -130,7 +139,11 @@ impl Capabilities {
             max_storage_bytes: properties.limits.max_storage_buffer_range.into(),
             max_groups_x: properties.limits.max_compute_work_group_count[0],
             timestamp_ns: (bits > 0).then_some(f64::from(properties.limits.timestamp_period)),
-            timestamp_mask: if bits >= 64 { u64::MAX } else { (1 << bits) - 1 },
+            timestamp_mask: if bits >= 64 {
+                u64::MAX
+            } else {
+                (1 << bits) - 1
+            },
             cache_uuid: properties.pipeline_cache_uuid,
             ids: [properties.vendor_id, properties.device_id],
             features,
@@ -141,14 +154,21 @@ impl Capabilities {
     pub(crate) fn missing(&self) -> Option<(String, String)> {
         let writes = self.features.shader_storage_image_write_without_format != vk::FALSE;
         (!writes).then(|| {
-            ("the feature shaderStorageImageWriteWithoutFormat".into(), "no such feature".into())
+            (
+                "the feature shaderStorageImageWriteWithoutFormat".into(),
+                "no such feature".into(),
+            )
         })
     }
 
     pub(crate) fn check(&self) -> Result<()> {
         match self.missing() {
             None => Ok(()),
-            Some((need, have)) => Err(Error::Unsupported { device: self.name.clone(), need, have }),
+            Some((need, have)) => Err(Error::Unsupported {
+                device: self.name.clone(),
+                need,
+                have,
+            }),
         }
     }
 }

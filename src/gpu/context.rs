@@ -46,7 +46,9 @@ pub struct Context {
 
 impl std::fmt::Debug for Context {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Context").field("device", &self.capabilities.name).finish_non_exhaustive()
+        f.debug_struct("Context")
+            .field("device", &self.capabilities.name)
+            .finish_non_exhaustive()
     }
 }
 
@@ -72,8 +74,7 @@ impl Context {
             debug_utils,
         } = host;
         // SAFETY: by this function's contract.
-        let capabilities =
-            unsafe { Capabilities::query(&instance, physical_device, queue_family) };
+        let capabilities = unsafe { Capabilities::query(&instance, physical_device, queue_family) };
         capabilities.check()?;
         // SAFETY: as above.
         let memory = unsafe { memory::backend(memory, &instance, physical_device, &device) }
@@ -127,7 +128,8 @@ impl Context {
     pub(crate) fn filters_linearly(&self, format: vk::Format) -> bool {
         // SAFETY: the physical device belongs to the instance, both alive by the contract of `from_host`.
         let properties = unsafe {
-            self.instance.get_physical_device_format_properties(self.physical_device, format)
+            self.instance
+                .get_physical_device_format_properties(self.physical_device, format)
         };
         properties
             .optimal_tiling_features
@@ -148,13 +150,21 @@ impl Context {
             vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY
         ) {
             return Error::OutOfMemory {
-                heap: if result == vk::Result::ERROR_OUT_OF_HOST_MEMORY { "host" } else { "device" },
+                heap: if result == vk::Result::ERROR_OUT_OF_HOST_MEMORY {
+                    "host"
+                } else {
+                    "device"
+                },
                 what: object.into(),
                 bytes: 0,
                 detail: call.into(),
             };
         }
-        Error::Vulkan { call, object: object.into(), result }
+        Error::Vulkan {
+            call,
+            object: object.into(),
+            result,
+        }
     }
 
     /// Memory for an object, counted.
@@ -165,13 +175,25 @@ impl Context {
         location: MemoryLocation,
         linear: bool,
     ) -> Result<MemoryBlock> {
-        let request = MemoryRequest { name, requirements, location, linear };
-        let block = self.memory.allocate(&request).map_err(|detail| Error::OutOfMemory {
-            heap: if location == MemoryLocation::Device { "device" } else { "host-visible" },
-            what: name.into(),
-            bytes: requirements.size,
-            detail,
-        })?;
+        let request = MemoryRequest {
+            name,
+            requirements,
+            location,
+            linear,
+        };
+        let block = self
+            .memory
+            .allocate(&request)
+            .map_err(|detail| Error::OutOfMemory {
+                heap: if location == MemoryLocation::Device {
+                    "device"
+                } else {
+                    "host-visible"
+                },
+                what: name.into(),
+                bytes: requirements.size,
+                detail,
+            })?;
         self.allocated.fetch_add(block.size, Ordering::Relaxed);
         Ok(block)
     }
@@ -193,4 +215,3 @@ impl Drop for Context {
         unsafe { self.retire.collect(self, u64::MAX) };
     }
 }
-

@@ -11,14 +11,18 @@ pub(crate) struct Debug {
 
 impl Debug {
     pub(crate) fn new(instance: &ash::Instance, device: &ash::Device, enabled: bool) -> Self {
-        Self { names: enabled.then(|| ext::debug_utils::Device::new(instance, device)) }
+        Self {
+            names: enabled.then(|| ext::debug_utils::Device::new(instance, device)),
+        }
     }
 
     pub(crate) fn name<H: vk::Handle>(&self, handle: H, name: &str) {
         let (Some(names), Ok(name)) = (&self.names, CString::new(name)) else {
             return;
         };
-        let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
+        let info = vk::DebugUtilsObjectNameInfoEXT::default()
+            .object_handle(handle)
+            .object_name(&name);
         // SAFETY: the handle was just created by this context's device and is not shared yet. A name that cannot be set
         // is only a missing name.
         let _ = unsafe { names.set_debug_utils_object_name(&info) };

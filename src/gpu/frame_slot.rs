@@ -39,7 +39,7 @@ pub(crate) struct FrameSlot {
 }
 
 impl FrameSlot {
-    fn new(context: &Arc<Context>) -> Result<Self> {
+    pub(super) fn new(context: &Arc<Context>) -> Result<Self> {
         let device = &context.device;
         let kinds = [
             (vk::DescriptorType::UNIFORM_BUFFER, 32),
@@ -47,8 +47,13 @@ impl FrameSlot {
             (vk::DescriptorType::COMBINED_IMAGE_SAMPLER, 96),
             (vk::DescriptorType::STORAGE_IMAGE, 32),
         ];
-        let sizes = kinds.map(|(ty, descriptor_count)| vk::DescriptorPoolSize { ty, descriptor_count });
-        let info = vk::DescriptorPoolCreateInfo::default().max_sets(16).pool_sizes(&sizes);
+        let sizes = kinds.map(|(ty, descriptor_count)| vk::DescriptorPoolSize {
+            ty,
+            descriptor_count,
+        });
+        let info = vk::DescriptorPoolCreateInfo::default()
+            .max_sets(16)
+            .pool_sizes(&sizes);
         let mut slot = Self {
             context: context.clone(),
             frame: 0,
@@ -97,14 +102,20 @@ impl FrameSlot {
                 .device
                 .reset_descriptor_pool(self.descriptors, vk::DescriptorPoolResetFlags::empty())
         }
-        .map_err(|e| self.context.vulkan_error("vkResetDescriptorPool", "umbravox.frame", e))
+        .map_err(|e| {
+            self.context
+                .vulkan_error("vkResetDescriptorPool", "umbravox.frame", e)
+        })
     }
 
     /// Writes uniforms and tells where they lie.
     pub(crate) fn uniforms(&mut self, data: &[u8]) -> Result<(u64, u64)> {
         let offset = self.uniform_bytes;
         let bytes = data.len() as u64;
-        debug_assert!(offset + bytes <= UNIFORM_BYTES, "uniforms of a frame fit its buffer");
+        debug_assert!(
+            offset + bytes <= UNIFORM_BYTES,
+            "uniforms of a frame fit its buffer"
+        );
         self.uniforms.write(offset, data)?;
         self.uniform_bytes = (offset + bytes).next_multiple_of(UNIFORM_ALIGNMENT);
         Ok((offset, bytes))
@@ -207,14 +218,21 @@ impl FrameSlot {
     /// The last pass of this frame that is known to have started.
     fn last_started(&self) -> Option<&'static str> {
         let words = self.markers.mapped().ok()?;
-        let started = words.chunks_exact(4).take_while(|w| w.iter().any(|&b| b != 0)).count();
-        started.checked_sub(1).and_then(|i| self.passes.get(i).copied())
+        let started = words
+            .chunks_exact(4)
+            .take_while(|w| w.iter().any(|&b| b != 0))
+            .count();
+        started
+            .checked_sub(1)
+            .and_then(|i| self.passes.get(i).copied())
     }
 }
 
 impl Drop for FrameSlot {
     fn drop(&mut self) {
-        self.context.retire.push(Retired::DescriptorPool(self.descriptors));
+        self.context
+            .retire
+            .push(Retired::DescriptorPool(self.descriptors));
         self.context.retire.push(Retired::QueryPool(self.queries));
     }
 }
@@ -251,7 +269,11 @@ impl FrameSlots {
 
     /// Pass times of frame `index`, which has completed and whose slot was not reused yet.
     pub(crate) fn times_of(&self, index: u64) -> Vec<PassTime> {
-        self.slots.iter().find(|s| s.frame == index).map(FrameSlot::times).unwrap_or_default()
+        self.slots
+            .iter()
+            .find(|s| s.frame == index)
+            .map(FrameSlot::times)
+            .unwrap_or_default()
     }
 
     /// Pass times of the newest frame known to have completed.

@@ -44,7 +44,11 @@ impl Image {
         let create = vk::ImageCreateInfo::default()
             .image_type(image_type)
             .format(info.format)
-            .extent(vk::Extent3D { width, height, depth })
+            .extent(vk::Extent3D {
+                width,
+                height,
+                depth,
+            })
             .mip_levels(1)
             .array_layers(1)
             .samples(vk::SampleCountFlags::TYPE_1)
@@ -59,19 +63,15 @@ impl Image {
                 .map_err(|e| context.vulkan_error("vkCreateImage", info.name, e))?;
             (handle, device.get_image_memory_requirements(handle))
         };
-        let block = match context.allocate_memory(
-            info.name,
-            requirements,
-            MemoryLocation::Device,
-            false,
-        ) {
-            Ok(block) => block,
-            Err(e) => {
-                // SAFETY: just made, used by nothing.
-                unsafe { device.destroy_image(handle, None) };
-                return Err(e);
-            }
-        };
+        let block =
+            match context.allocate_memory(info.name, requirements, MemoryLocation::Device, false) {
+                Ok(block) => block,
+                Err(e) => {
+                    // SAFETY: just made, used by nothing.
+                    unsafe { device.destroy_image(handle, None) };
+                    return Err(e);
+                }
+            };
         let (memory, offset) = (block.memory, block.offset);
         let mut image = Self {
             context: context.clone(),
@@ -120,7 +120,9 @@ impl Image {
 impl Drop for Image {
     fn drop(&mut self) {
         if let Some(block) = self.block.take() {
-            self.context.retire.push(Retired::Image(self.handle, self.view, block));
+            self.context
+                .retire
+                .push(Retired::Image(self.handle, self.view, block));
         }
     }
 }
@@ -172,7 +174,10 @@ impl Sampler {
         let handle = unsafe { context.device.create_sampler(&info, None) }
             .map_err(|e| context.vulkan_error("vkCreateSampler", name, e))?;
         context.debug.name(handle, name);
-        Ok(Self { context: context.clone(), handle })
+        Ok(Self {
+            context: context.clone(),
+            handle,
+        })
     }
 
     pub(crate) fn handle(&self) -> vk::Sampler {

@@ -4,7 +4,10 @@
 //! safe where our own types guarantee what Vulkan asks for (objects alive while borrowed, ranges checked against sizes);
 //! they are `unsafe fn` where only the caller of the library can. Each valid-usage rule has one owner: what is checked
 //! here is not checked again above.
-#![expect(unsafe_code, reason = "every Vulkan command is unsafe; this folder is the boundary")]
+#![expect(
+    unsafe_code,
+    reason = "every Vulkan command is unsafe; this folder is the boundary"
+)]
 
 mod access;
 mod buffer;
@@ -28,7 +31,7 @@ pub(crate) use access::Access;
 pub(crate) use buffer::Buffer;
 pub(crate) use frame_slot::{FrameSlot, FrameSlots, PassTime};
 pub(crate) use image::{Filter, Image, ImageInfo, Sampler};
-pub(crate) use owned_device::{OwnedDevice, OwnedDeviceInfo, list_devices};
+pub(crate) use owned_device::{OwnedDevice, OwnedDeviceInfo, OwnedRecording, list_devices};
 pub(crate) use pipeline::{Bound, Pipeline};
 pub(crate) use pipeline_cache::PipelineCacheFile;
 pub(crate) use recorder::{CopyBox, Recorder, ViewBinding};

@@ -5,10 +5,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use ash::{ext, vk};
 
+use super::buffer::Buffer;
 use super::capabilities::{API_VERSION, Capabilities, DeviceInfo, Requirements};
 use super::context::{Context, HostDevice};
+use super::frame_slot::FrameSlot;
+use super::image::Image;
 use super::memory::HostMemory;
 use super::pipeline_cache::PipelineCacheFile;
+use super::recorder::{CopyBox, Recorder};
 use crate::error::{Error, Result};
 
 const VALIDATION: &CStr = c"VK_LAYER_KHRONOS_validation";
@@ -57,7 +61,11 @@ unsafe extern "system" fn collect_message(
         };
         (&*user.cast::<Messages>(), text)
     };
-    messages.0.lock().unwrap_or_else(PoisonError::into_inner).push(text);
+    messages
+        .0
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .push(text);
     vk::FALSE
 }
 
@@ -79,7 +87,10 @@ impl Instance {
             // SAFETY: the entry is loaded.
             let there = unsafe { entry.enumerate_instance_layer_properties() }
                 .map_err(|e| vulkan("vkEnumerateInstanceLayerProperties", e))?;
-            if !there.iter().any(|l| l.layer_name_as_c_str() == Ok(VALIDATION)) {
+            if !there
+                .iter()
+                .any(|l| l.layer_name_as_c_str() == Ok(VALIDATION))
+            {
                 return Err(Error::NoDevice(
                     "validation was asked for but VK_LAYER_KHRONOS_validation is not installed. On Debian and \
                      Ubuntu: apt-get install vulkan-validationlayers"
@@ -118,7 +129,12 @@ impl Instance {
         } else {
             None
         };
-        Ok(Self { entry, handle, messenger, messages })
+        Ok(Self {
+            entry,
+            handle,
+            messenger,
+            messages,
+        })
     }
 
     /// Every physical device with its compute queue family, capabilities and version.
@@ -161,7 +177,11 @@ impl Drop for Instance {
 }
 
 fn vulkan(call: &'static str, result: vk::Result) -> Error {
-    Error::Vulkan { call, object: "umbravox.device".into(), result }
+    Error::Vulkan {
+        call,
+        object: "umbravox.device".into(),
+        result,
+    }
 }
 
 /// A physical device, judged.
@@ -201,7 +221,9 @@ impl Candidate {
         } else if queue_family.is_none() {
             Some("a compute queue is needed; it has none".into())
         } else {
-            capabilities.missing().map(|(need, have)| format!("{need} is needed; it has {have}"))
+            capabilities
+                .missing()
+                .map(|(need, have)| format!("{need} is needed; it has {have}"))
         };
         let memory_mib = memory
             .memory_heaps_as_slice()
@@ -220,7 +242,12 @@ impl Candidate {
             usable: reason.is_none(),
             reason,
         };
-        Self { physical, queue_family, capabilities, info }
+        Self {
+            physical,
+            queue_family,
+            capabilities,
+            info,
+        }
     }
 
     /// Better devices first.
@@ -234,7 +261,11 @@ impl Candidate {
 
 /// Every device that the loader finds.
 pub(crate) fn list_devices() -> Result<Vec<DeviceInfo>> {
-    Ok(Instance::new(false)?.devices()?.into_iter().map(|c| c.info).collect())
+    Ok(Instance::new(false)?
+        .devices()?
+        .into_iter()
+        .map(|c| c.info)
+        .collect())
 }
 
 /// The device that a `--device` names; the best usable one without a name.
@@ -247,13 +278,19 @@ fn choose(candidates: Vec<Candidate>, wanted: Option<&str>) -> Result<Candidate>
         })
         .collect::<Vec<_>>()
         .join(", ");
-    let listing = if listing.is_empty() { "none".into() } else { listing };
+    let listing = if listing.is_empty() {
+        "none".into()
+    } else {
+        listing
+    };
     let Some(wanted) = wanted else {
         return candidates
             .into_iter()
             .filter(|c| c.info.usable)
             .min_by_key(Candidate::rank)
-            .ok_or_else(|| Error::NoDevice(format!("no usable Vulkan device; devices: {listing}")));
+            .ok_or_else(|| {
+                Error::NoDevice(format!("no usable Vulkan device; devices: {listing}"))
+            });
     };
     let by_index = wanted.parse::<usize>().ok();
     let matches = |c: &Candidate| match by_index {
@@ -263,9 +300,30 @@ fn choose(candidates: Vec<Candidate>, wanted: Option<&str>) -> Result<Candidate>
     let found: Vec<_> = candidates.into_iter().filter(matches).collect();
     let found_any = !found.is_empty();
     found.into_iter().find(|c| c.info.usable).ok_or_else(|| {
-        let why = if found_any { "is not usable" } else { "is not there" };
+        let why = if found_any {
+            "is not usable"
+        } else {
+            "is not there"
+        };
         Error::NoDevice(format!("device {wanted:?} {why}; devices: {listing}"))
     })
+}
+
+/// A command buffer of ours while [`OwnedDevice::submit`] records it.
+pub(crate) struct OwnedRecording {
+    command: vk::CommandBuffer,
+    index: u64,
+}
+
+impl OwnedRecording {
+    pub(crate) fn command_buffer(&self) -> vk::CommandBuffer {
+        self.command
+    }
+
+    /// Number of the frame; all before it have completed.
+    pub(crate) fn index(&self) -> u64 {
+        self.index
+    }
 }
 
 /// Owns everything down to the instance. Dropped in order: context (objects), device, instance.
@@ -297,8 +355,12 @@ impl OwnedDevice {
             .queue_create_infos(&queues)
             .enabled_features(&requirements.features);
         // SAFETY: the physical device is the instance's; features were checked to be there.
-        let device = unsafe { instance.handle.create_device(candidate.physical, &info, None) }
-            .map_err(|e| vulkan("vkCreateDevice", e))?;
+        let device = unsafe {
+            instance
+                .handle
+                .create_device(candidate.physical, &info, None)
+        }
+        .map_err(|e| vulkan("vkCreateDevice", e))?;
         let mut owned = Self {
             context: None,
             info: candidate.info,
@@ -331,7 +393,11 @@ impl OwnedDevice {
 
     fn create_objects(&mut self, queue_family: u32, capabilities: &Capabilities) -> Result<()> {
         let device = &self.device;
-        let initial = self.cache_file.as_ref().map(|f| f.load(capabilities)).unwrap_or_default();
+        let initial = self
+            .cache_file
+            .as_ref()
+            .map(|f| f.load(capabilities))
+            .unwrap_or_default();
         let cache = vk::PipelineCacheCreateInfo::default().initial_data(&initial);
         let pool = vk::CommandPoolCreateInfo::default()
             .queue_family_index(queue_family)
@@ -367,11 +433,10 @@ impl OwnedDevice {
         }
     }
 
-    /// Records one frame, submits it and waits for it. `record` gets the command buffer and the frame's number; frames up to
-    /// the one before it have completed.
+    /// Records one frame, submits it and waits for it; all frames before it have completed.
     pub(crate) fn submit<T>(
         &mut self,
-        record: impl FnOnce(vk::CommandBuffer, u64) -> Result<T>,
+        record: impl FnOnce(&OwnedRecording) -> Result<T>,
     ) -> Result<T> {
         self.frame += 1;
         let begin = vk::CommandBufferBeginInfo::default()
@@ -380,7 +445,10 @@ impl OwnedDevice {
         // SAFETY: the command buffer's last submission has completed (we wait below), and nobody else uses it.
         unsafe { device.begin_command_buffer(self.command, &begin) }
             .map_err(|e| vulkan("vkBeginCommandBuffer", e))?;
-        let recorded = record(self.command, self.frame);
+        let recorded = record(&OwnedRecording {
+            command: self.command,
+            index: self.frame,
+        });
         // SAFETY: it is recording.
         unsafe { device.end_command_buffer(self.command) }
             .map_err(|e| vulkan("vkEndCommandBuffer", e))?;
@@ -399,19 +467,33 @@ impl OwnedDevice {
             device
                 .wait_for_fences(&[self.fence], true, u64::MAX)
                 .map_err(|e| lost("vkWaitForFences", e))?;
-            device.reset_fences(&[self.fence]).map_err(|e| lost("vkResetFences", e))?;
+            device
+                .reset_fences(&[self.fence])
+                .map_err(|e| lost("vkResetFences", e))?;
         }
         Ok(value)
     }
 
-    /// Number of the newest frame, which has completed.
-    pub(crate) fn completed(&self) -> u64 {
-        self.frame
+    /// Copies a box of one of our images to the host.
+    pub(crate) fn copy_to_host(&mut self, from: &Image, to: &Buffer, part: CopyBox) -> Result<()> {
+        let context = self.context().clone();
+        let mut slot = FrameSlot::new(&context)?;
+        self.submit(|recording| {
+            // SAFETY: `submit` hands out a command buffer that is recording and submits in order.
+            let mut recorder = unsafe { Recorder::new(&context, recording.command, &mut slot) };
+            recorder.read_back(from, to, part);
+            Ok(())
+        })
     }
 
     /// Validation messages so far.
     pub(crate) fn validation_messages(&self) -> Vec<String> {
-        self.instance.messages.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.instance
+            .messages
+            .0
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
     }
 }
 

@@ -22,15 +22,27 @@ pub(crate) struct Pipeline {
 #[derive(Clone, Copy)]
 pub(crate) enum Bound<'a> {
     /// A uniform buffer, from `offset` for `bytes`.
-    Uniform { buffer: &'a super::Buffer, offset: u64, bytes: u64 },
+    Uniform {
+        buffer: &'a super::Buffer,
+        offset: u64,
+        bytes: u64,
+    },
     /// A storage buffer.
     Storage(&'a super::Buffer),
     /// An image with a sampler. `general`: it stays in `GENERAL`.
-    Sampled { image: &'a super::Image, sampler: &'a super::Sampler, general: bool },
+    Sampled {
+        image: &'a super::Image,
+        sampler: &'a super::Sampler,
+        general: bool,
+    },
     /// A storage image.
     StorageImage(&'a super::Image),
     /// A host's view with a sampler, in a stated layout.
-    SampledView { view: vk::ImageView, layout: vk::ImageLayout, sampler: &'a super::Sampler },
+    SampledView {
+        view: vk::ImageView,
+        layout: vk::ImageLayout,
+        sampler: &'a super::Sampler,
+    },
     /// A host's view as a storage image, in `GENERAL`.
     StorageView(vk::ImageView),
 }
@@ -116,20 +128,25 @@ impl Pipeline {
                 size: 4,
             })
             .collect();
-        let data: Vec<u8> = constants.iter().flat_map(|(_, value)| value.to_ne_bytes()).collect();
-        let specialization =
-            vk::SpecializationInfo::default().map_entries(&entries).data(&data);
+        let data: Vec<u8> = constants
+            .iter()
+            .flat_map(|(_, value)| value.to_ne_bytes())
+            .collect();
+        let specialization = vk::SpecializationInfo::default()
+            .map_entries(&entries)
+            .data(&data);
         let stage = vk::PipelineShaderStageCreateInfo::default()
             .stage(vk::ShaderStageFlags::COMPUTE)
             .module(module)
             .name(c"main")
             .specialization_info(&specialization);
-        let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(self.layout);
+        let info = vk::ComputePipelineCreateInfo::default()
+            .stage(stage)
+            .layout(self.layout);
         // SAFETY: module and layout are alive and match each other; the cache is null or the host's, which by contract
         // is valid and not used elsewhere while we record.
-        let made = unsafe {
-            device.create_compute_pipelines(context.pipeline_cache, &[info], None)
-        };
+        let made =
+            unsafe { device.create_compute_pipelines(context.pipeline_cache, &[info], None) };
         // SAFETY: pipelines do not need their modules once made.
         unsafe { device.destroy_shader_module(module, None) };
         match made {
@@ -141,7 +158,9 @@ impl Pipeline {
 
 impl Drop for Pipeline {
     fn drop(&mut self) {
-        self.context.retire.push(Retired::Pipeline(self.handle, self.layout, self.set_layout));
+        self.context
+            .retire
+            .push(Retired::Pipeline(self.handle, self.layout, self.set_layout));
     }
 }
 
@@ -157,17 +176,25 @@ pub(super) unsafe fn descriptor_set(
 ) -> Result<vk::DescriptorSet> {
     let device = &context.device;
     let layouts = [pipeline.set_layout];
-    let info =
-        vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
+    let info = vk::DescriptorSetAllocateInfo::default()
+        .descriptor_pool(pool)
+        .set_layouts(&layouts);
     // SAFETY: pool and layout are alive; the pool is ours alone.
     let set = unsafe { device.allocate_descriptor_sets(&info) }
         .map_err(|e| {
-            context.vulkan_error("vkAllocateDescriptorSets", pipeline.interface.module.name, e)
+            context.vulkan_error(
+                "vkAllocateDescriptorSets",
+                pipeline.interface.module.name,
+                e,
+            )
         })?
         .remove(0);
     for binding in pipeline.interface.bindings {
         let Some((_, what)) = bound.iter().find(|(number, _)| *number == binding.binding) else {
-            unreachable!("{} binding {} is not bound", pipeline.interface.module.name, binding.binding)
+            unreachable!(
+                "{} binding {} is not bound",
+                pipeline.interface.module.name, binding.binding
+            )
         };
         let mut images = [vk::DescriptorImageInfo::default()];
         let mut buffers = [vk::DescriptorBufferInfo::default()];
@@ -176,9 +203,16 @@ pub(super) unsafe fn descriptor_set(
             .dst_binding(binding.binding)
             .descriptor_type(descriptor_type(binding.kind));
         let write = match *what {
-            Bound::Uniform { buffer, offset, bytes } => {
-                buffers[0] =
-                    vk::DescriptorBufferInfo { buffer: buffer.handle(), offset, range: bytes };
+            Bound::Uniform {
+                buffer,
+                offset,
+                bytes,
+            } => {
+                buffers[0] = vk::DescriptorBufferInfo {
+                    buffer: buffer.handle(),
+                    offset,
+                    range: bytes,
+                };
                 write.buffer_info(&buffers)
             }
             Bound::Storage(buffer) => {
@@ -189,7 +223,11 @@ pub(super) unsafe fn descriptor_set(
                 };
                 write.buffer_info(&buffers)
             }
-            Bound::Sampled { image, sampler, general } => {
+            Bound::Sampled {
+                image,
+                sampler,
+                general,
+            } => {
                 images[0] = vk::DescriptorImageInfo {
                     sampler: sampler.handle(),
                     image_view: image.view(),
@@ -201,7 +239,11 @@ pub(super) unsafe fn descriptor_set(
                 };
                 write.image_info(&images)
             }
-            Bound::SampledView { view, layout, sampler } => {
+            Bound::SampledView {
+                view,
+                layout,
+                sampler,
+            } => {
                 images[0] = vk::DescriptorImageInfo {
                     sampler: sampler.handle(),
                     image_view: view,

@@ -25,12 +25,20 @@ impl PipelineCacheFile {
             .map(PathBuf::from)
             .filter(|p| p.is_absolute())
             .or_else(|| Some(PathBuf::from(std::env::var_os("HOME")?).join(".cache")))?;
-        Some(Self { folder: folder.join("umbravox"), path: Default::default() })
+        Some(Self {
+            folder: folder.join("umbravox"),
+            path: Default::default(),
+        })
     }
 
     fn identity(capabilities: &Capabilities) -> Vec<u8> {
         let [vendor, device] = capabilities.ids;
-        [&vendor.to_le_bytes()[..], &device.to_le_bytes(), &capabilities.cache_uuid].concat()
+        [
+            &vendor.to_le_bytes()[..],
+            &device.to_le_bytes(),
+            &capabilities.cache_uuid,
+        ]
+        .concat()
     }
 
     /// The driver's data for this device; empty when there is none, or none that can be trusted.
@@ -38,7 +46,9 @@ impl PipelineCacheFile {
         let identity = Self::identity(capabilities);
         let name: String = identity.iter().map(|b| format!("{b:02x}")).collect();
         let path = self.folder.join(format!("pipelines-{name}.bin"));
-        let data = std::fs::read(&path).ok().and_then(|file| unwrap(&file, &identity));
+        let data = std::fs::read(&path)
+            .ok()
+            .and_then(|file| unwrap(&file, &identity));
         if let Ok(mut known) = self.path.lock() {
             *known = Some((path, identity));
         }
@@ -48,7 +58,9 @@ impl PipelineCacheFile {
     /// Writes the driver's data, whole or not at all.
     pub(crate) fn store(&self, data: &[u8]) {
         let Ok(known) = self.path.lock() else { return };
-        let Some((path, identity)) = known.as_ref() else { return };
+        let Some((path, identity)) = known.as_ref() else {
+            return;
+        };
         let wrapped = wrap(data, identity);
         if std::fs::read(path).is_ok_and(|there| there == wrapped) {
             return;
@@ -76,11 +88,20 @@ fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 
 fn wrap(data: &[u8], identity: &[u8]) -> Vec<u8> {
     let length = (data.len() as u64).to_le_bytes();
-    [MAGIC, identity, &length, &checksum(data).to_le_bytes(), data].concat()
+    [
+        MAGIC,
+        identity,
+        &length,
+        &checksum(data).to_le_bytes(),
+        data,
+    ]
+    .concat()
 }
 
 fn unwrap(file: &[u8], identity: &[u8]) -> Option<Vec<u8>> {
-    let rest = file.strip_prefix(MAGIC.as_slice())?.strip_prefix(identity)?;
+    let rest = file
+        .strip_prefix(MAGIC.as_slice())?
+        .strip_prefix(identity)?;
     let (length, rest) = rest.split_first_chunk::<8>()?;
     let (sum, data) = rest.split_first_chunk::<8>()?;
     let whole = u64::from_le_bytes(*length) == data.len() as u64;
@@ -89,7 +110,9 @@ fn unwrap(file: &[u8], identity: &[u8]) -> Option<Vec<u8>> {
 
 /// FNV-1a: finds damage, not malice (who can write here can replace the program as well).
 fn checksum(data: &[u8]) -> u64 {
-    data.iter().fold(0xcbf2_9ce4_8422_2325, |h, &b| (h ^ u64::from(b)).wrapping_mul(0x100_0000_01b3))
+    data.iter().fold(0xcbf2_9ce4_8422_2325, |h, &b| {
+        (h ^ u64::from(b)).wrapping_mul(0x100_0000_01b3)
+    })
 }
 
 #[cfg(test)]
@@ -99,7 +122,10 @@ mod tests {
     #[test]
     fn only_whole_caches_of_this_device_are_taken() {
         let file = wrap(b"pipelines", b"device A");
-        assert_eq!(unwrap(&file, b"device A").as_deref(), Some(&b"pipelines"[..]));
+        assert_eq!(
+            unwrap(&file, b"device A").as_deref(),
+            Some(&b"pipelines"[..])
+        );
         assert_eq!(unwrap(&file, b"device B"), None, "another device");
         for cut in 0..file.len() {
             assert_eq!(unwrap(&file[..cut], b"device A"), None, "cut at {cut}");

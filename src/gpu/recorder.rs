@@ -51,7 +51,12 @@ pub(crate) struct CopyBox {
 impl CopyBox {
     /// A box that is tightly packed in the buffer.
     pub(crate) fn packed(buffer_offset: u64, origin: [u32; 3], extent: [u32; 3]) -> Self {
-        Self { buffer_offset, buffer_row: [extent[0], extent[1]], origin, extent }
+        Self {
+            buffer_offset,
+            buffer_row: [extent[0], extent[1]],
+            origin,
+            extent,
+        }
     }
 }
 
@@ -66,7 +71,12 @@ impl<'a> Recorder<'a> {
     ) -> Self {
         // SAFETY: by this function's contract.
         unsafe { slot.reset_queries(cmd) };
-        Self { context, cmd, slot, pending: Pending::default() }
+        Self {
+            context,
+            cmd,
+            slot,
+            pending: Pending::default(),
+        }
     }
 
     pub(crate) fn slot(&mut self) -> &mut FrameSlot {
@@ -159,8 +169,13 @@ impl<'a> Recorder<'a> {
 
     /// Emits the barriers collected so far.
     pub(crate) fn flush(&mut self) {
-        let Pending { source, destination, source_access, destination_access, images } =
-            std::mem::take(&mut self.pending);
+        let Pending {
+            source,
+            destination,
+            source_access,
+            destination_access,
+            images,
+        } = std::mem::take(&mut self.pending);
         if destination.is_empty() {
             return;
         }
@@ -208,7 +223,11 @@ impl<'a> Recorder<'a> {
     pub(crate) fn upload(&mut self, from: &Buffer, to: &Image, boxes: &[CopyBox]) {
         self.use_image(to, Access::TransferWrite);
         self.flush();
-        debug_assert!(boxes.iter().all(|b| (0..3).all(|i| b.origin[i] + b.extent[i] <= to.extent()[i])));
+        debug_assert!(
+            boxes
+                .iter()
+                .all(|b| (0..3).all(|i| b.origin[i] + b.extent[i] <= to.extent()[i]))
+        );
         // SAFETY: recording; both alive until the frame completes; boxes lie inside the image (layout planner) and
         // inside the buffer (sized from them); the host wrote the buffer before submission.
         unsafe {
@@ -260,8 +279,7 @@ impl<'a> Recorder<'a> {
     /// Binds a pipeline with its resources. Barriers for them were asked for before.
     pub(crate) fn bind(&mut self, pipeline: &Pipeline, bound: &[(u32, Bound<'_>)]) -> Result<()> {
         // SAFETY: the slot's pool belongs to this frame; host views are valid by the contract of `embed`.
-        let set =
-            unsafe { descriptor_set(self.context, self.slot.descriptors, pipeline, bound) }?;
+        let set = unsafe { descriptor_set(self.context, self.slot.descriptors, pipeline, bound) }?;
         let device = &self.context.device;
         // SAFETY: recording; pipeline and set are alive until the frame completes and match each other.
         unsafe {

@@ -40,7 +40,10 @@ impl RetireQueue {
 
     pub(crate) fn push(&self, object: Retired) {
         let frame = self.current();
-        self.waiting.lock().unwrap_or_else(PoisonError::into_inner).push((frame, object));
+        self.waiting
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .push((frame, object));
     }
 
     /// Destroys what frames up to `completed` used.
@@ -50,8 +53,9 @@ impl RetireQueue {
     pub(crate) unsafe fn collect(&self, context: &Context, completed: u64) {
         let ready: Vec<Retired> = {
             let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
-            let (ready, rest): (Vec<_>, Vec<_>) =
-                waiting.drain(..).partition(|&(frame, _)| frame <= completed);
+            let (ready, rest): (Vec<_>, Vec<_>) = waiting
+                .drain(..)
+                .partition(|&(frame, _)| frame <= completed);
             *waiting = rest;
             ready.into_iter().map(|(_, object)| object).collect()
         };

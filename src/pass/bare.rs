@@ -1,6 +1,6 @@
 //! The bench's limit: a march that only samples one texture and classifies.
 //!
-//! Reads   the volume as one 3D image, transfer (SampledRead)
+//! Reads   the atlas as if it were one texture of the whole volume, transfer (SampledRead)
 //! Writes  a target image (Storage)
 //! Grid    one workgroup for 8x8 pixels, one dispatch a tile
 //! Method  as many samples as the march without skipping or early termination; sums what the transfer function says
@@ -9,22 +9,26 @@
 
 use std::sync::Arc;
 
+use ash::vk;
+
 use super::{Variants, tile_groups, tiles};
+use crate::atlas::Images;
 use crate::error::Result;
-use crate::gpu::{Access, Bound, Buffer, Context, Image, Recorder, Sampler};
+use crate::gpu::{Access, Bound, Buffer, Context, Recorder};
 use crate::shader::generated::*;
 use crate::shader::interface;
 use crate::shader::structs::BarePush;
 
 /// What the bare march works on.
 pub(crate) struct BareResources<'a> {
-    pub(crate) voxels: &'a Image,
-    pub(crate) transfer: &'a Image,
-    pub(crate) linear: &'a Sampler,
+    pub(crate) images: &'a Images,
+    /// Voxels of the volume on x, y, z.
+    pub(crate) size: [u32; 3],
     pub(crate) uniforms: &'a Buffer,
     pub(crate) volume: (u64, u64),
     pub(crate) frame: (u64, u64),
-    pub(crate) target: &'a Image,
+    /// The target, in `GENERAL`.
+    pub(crate) target: vk::ImageView,
 }
 
 /// The pass.
@@ -34,7 +38,9 @@ pub(crate) struct BarePass {
 
 impl BarePass {
     pub(crate) fn new() -> Self {
-        Self { variants: Variants::new() }
+        Self {
+            variants: Variants::new(),
+        }
     }
 
     pub(crate) fn record(
@@ -42,25 +48,58 @@ impl BarePass {
         context: &Arc<Context>,
         recorder: &mut Recorder<'_>,
         resources: &BareResources<'_>,
+        size_px: [u32; 2],
         tile: u32,
     ) -> Result<()> {
         let pipeline = self.variants.get(context, &interface::BARE, Vec::new())?;
-        let BareResources { voxels, transfer, linear, uniforms, volume, frame, target } = *resources;
-        recorder.use_image(voxels, Access::SampledRead);
-        recorder.use_image(transfer, Access::SampledRead);
-        recorder.use_image(target, Access::Storage);
+        let BareResources {
+            images,
+            size,
+            uniforms,
+            volume,
+            frame,
+            target,
+        } = *resources;
+        recorder.use_image(&images.atlas, Access::SampledRead);
+        recorder.use_image(&images.transfer, Access::SampledRead);
+        let sampled = |image, sampler| Bound::Sampled {
+            image,
+            sampler,
+            general: false,
+        };
         let bound = [
-            (BINDING_VOLUME, Bound::Uniform { buffer: uniforms, offset: volume.0, bytes: volume.1 }),
-            (BINDING_FRAME, Bound::Uniform { buffer: uniforms, offset: frame.0, bytes: frame.1 }),
-            (BINDING_TRANSFER, Bound::Sampled { image: transfer, sampler: linear, general: false }),
-            (BINDING_TARGET, Bound::StorageImage(target)),
-            (BINDING_VOXELS, Bound::Sampled { image: voxels, sampler: linear, general: false }),
+            (
+                BINDING_VOLUME,
+                Bound::Uniform {
+                    buffer: uniforms,
+                    offset: volume.0,
+                    bytes: volume.1,
+                },
+            ),
+            (
+                BINDING_FRAME,
+                Bound::Uniform {
+                    buffer: uniforms,
+                    offset: frame.0,
+                    bytes: frame.1,
+                },
+            ),
+            (BINDING_TRANSFER, sampled(&images.transfer, &images.nearest)),
+            (BINDING_TARGET, Bound::StorageView(target)),
+            (
+                BINDING_VOXELS,
+                sampled(&images.atlas, images.atlas_sampler()),
+            ),
         ];
         recorder.bind(pipeline, &bound)?;
-        let [width, height, _] = target.extent();
-        let extent_texel = voxels.extent().map(|n| 1.0 / n as f32);
-        for (tile_px, tile_end_px) in tiles([width, height], tile) {
-            let push = BarePush { tile_px, tile_end_px, extent_texel, pad0: 0.0 };
+        let extent_texel = size.map(|n| 1.0 / n as f32);
+        for (tile_px, tile_end_px) in tiles(size_px, tile) {
+            let push = BarePush {
+                tile_px,
+                tile_end_px,
+                extent_texel,
+                pad0: 0.0,
+            };
             recorder.dispatch(pipeline, &push, tile_groups(tile_px, tile_end_px));
         }
         Ok(())

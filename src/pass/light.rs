@@ -37,7 +37,9 @@ pub(crate) struct LightPass {
 
 impl LightPass {
     pub(crate) fn new() -> Self {
-        Self { variants: Variants::new() }
+        Self {
+            variants: Variants::new(),
+        }
     }
 
     /// Traces one direction; `push` holds all but the part of the list.
@@ -50,16 +52,37 @@ impl LightPass {
         push: LightPush,
     ) -> Result<()> {
         let pipeline =
-            self.variants.get(context, &interface::LIGHT_TRACE, reconstruction.constants())?;
-        let LightResources { images, lists, work, uniforms, volume } = *resources;
+            self.variants
+                .get(context, &interface::LIGHT_TRACE, reconstruction.constants())?;
+        let LightResources {
+            images,
+            lists,
+            work,
+            uniforms,
+            volume,
+        } = *resources;
         for image in [&images.atlas, &images.index, &images.skip, &images.transfer] {
             recorder.use_image(image, Access::SampledRead);
         }
         recorder.use_image(&images.light, Access::Storage);
-        let sampled = |image, sampler| Bound::Sampled { image, sampler, general: false };
+        let sampled = |image, sampler| Bound::Sampled {
+            image,
+            sampler,
+            general: false,
+        };
         let bound = [
-            (BINDING_VOLUME, Bound::Uniform { buffer: uniforms, offset: volume.0, bytes: volume.1 }),
-            (BINDING_ATLAS, sampled(&images.atlas, images.atlas_sampler())),
+            (
+                BINDING_VOLUME,
+                Bound::Uniform {
+                    buffer: uniforms,
+                    offset: volume.0,
+                    bytes: volume.1,
+                },
+            ),
+            (
+                BINDING_ATLAS,
+                sampled(&images.atlas, images.atlas_sampler()),
+            ),
             (BINDING_INDEX, sampled(&images.index, &images.nearest)),
             (BINDING_SKIP, sampled(&images.skip, &images.nearest)),
             (BINDING_TRANSFER, sampled(&images.transfer, &images.nearest)),
@@ -69,7 +92,15 @@ impl LightPass {
         ];
         recorder.bind(pipeline, &bound)?;
         for (first, count) in parts(0, work.trace.len()) {
-            recorder.dispatch(pipeline, &LightPush { first, count, ..push }, [count, 1, 1]);
+            recorder.dispatch(
+                pipeline,
+                &LightPush {
+                    first,
+                    count,
+                    ..push
+                },
+                [count, 1, 1],
+            );
         }
         Ok(())
     }
@@ -81,13 +112,32 @@ impl LightPass {
         recorder: &mut Recorder<'_>,
         resources: &LightResources<'_>,
     ) -> Result<()> {
-        let pipeline = self.variants.get(context, &interface::LIGHT_SEAM, Vec::new())?;
-        let LightResources { images, lists, work, uniforms, volume } = *resources;
+        let pipeline = self
+            .variants
+            .get(context, &interface::LIGHT_SEAM, Vec::new())?;
+        let LightResources {
+            images,
+            lists,
+            work,
+            uniforms,
+            volume,
+        } = *resources;
         let bound = [
-            (BINDING_VOLUME, Bound::Uniform { buffer: uniforms, offset: volume.0, bytes: volume.1 }),
+            (
+                BINDING_VOLUME,
+                Bound::Uniform {
+                    buffer: uniforms,
+                    offset: volume.0,
+                    bytes: volume.1,
+                },
+            ),
             (
                 BINDING_INDEX,
-                Bound::Sampled { image: &images.index, sampler: &images.nearest, general: false },
+                Bound::Sampled {
+                    image: &images.index,
+                    sampler: &images.nearest,
+                    general: false,
+                },
             ),
             (BINDING_BRICKS, Bound::Storage(&lists.bricks)),
             (BINDING_WORK, Bound::Storage(&lists.seam)),

@@ -91,7 +91,16 @@ impl MarchPass {
     pub(crate) fn new(context: &Arc<Context>) -> Result<Self> {
         let unused = |name, format, usage| {
             let extent = [1; 3];
-            Image::new(context, &ImageInfo { name, extent, format, three_dimensional: false, usage })
+            Image::new(
+                context,
+                &ImageInfo {
+                    name,
+                    extent,
+                    format,
+                    three_dimensional: false,
+                    usage,
+                },
+            )
         };
         Ok(Self {
             variants: Variants::new(),
@@ -102,7 +111,7 @@ impl MarchPass {
             )?,
             unused_storage: unused(
                 "umbravox.march.no_aux",
-                vk::Format::R32G32_SFLOAT,
+                vk::Format::R32G32B32A32_SFLOAT,
                 vk::ImageUsageFlags::STORAGE,
             )?,
             nearest: Sampler::new(
@@ -122,10 +131,22 @@ impl MarchPass {
         size_px: [u32; 2],
         tile: u32,
     ) -> Result<()> {
-        let Self { variants, unused_sampled, unused_storage, nearest } = self;
+        let Self {
+            variants,
+            unused_sampled,
+            unused_storage,
+            nearest,
+        } = self;
         let pipeline = variants.get(context, variant.interface(), variant.constants())?;
-        let MarchResources { images, uniforms, volume, frame, target, scene_depth, aux } =
-            *resources;
+        let MarchResources {
+            images,
+            uniforms,
+            volume,
+            frame,
+            target,
+            scene_depth,
+            aux,
+        } = *resources;
         for image in [&images.atlas, &images.index, &images.skip, &images.transfer] {
             recorder.use_image(image, Access::SampledRead);
         }
@@ -133,24 +154,51 @@ impl MarchPass {
         recorder.use_image(unused_sampled, Access::SampledRead);
         let aux = aux.unwrap_or(unused_storage);
         recorder.use_image(aux, Access::Storage);
-        let sampled = |image, sampler| Bound::Sampled { image, sampler, general: false };
+        let sampled = |image, sampler| Bound::Sampled {
+            image,
+            sampler,
+            general: false,
+        };
         let bound = [
-            (BINDING_VOLUME, Bound::Uniform { buffer: uniforms, offset: volume.0, bytes: volume.1 }),
-            (BINDING_FRAME, Bound::Uniform { buffer: uniforms, offset: frame.0, bytes: frame.1 }),
-            (BINDING_ATLAS, sampled(&images.atlas, images.atlas_sampler())),
+            (
+                BINDING_VOLUME,
+                Bound::Uniform {
+                    buffer: uniforms,
+                    offset: volume.0,
+                    bytes: volume.1,
+                },
+            ),
+            (
+                BINDING_FRAME,
+                Bound::Uniform {
+                    buffer: uniforms,
+                    offset: frame.0,
+                    bytes: frame.1,
+                },
+            ),
+            (
+                BINDING_ATLAS,
+                sampled(&images.atlas, images.atlas_sampler()),
+            ),
             (BINDING_INDEX, sampled(&images.index, &images.nearest)),
             (BINDING_SKIP, sampled(&images.skip, &images.nearest)),
             (BINDING_TRANSFER, sampled(&images.transfer, &images.nearest)),
             (
                 BINDING_LIGHT,
-                Bound::Sampled { image: &images.light, sampler: &images.linear, general: true },
+                Bound::Sampled {
+                    image: &images.light,
+                    sampler: &images.linear,
+                    general: true,
+                },
             ),
             (
                 BINDING_SCENE_DEPTH,
                 match scene_depth {
-                    Some((view, layout)) => {
-                        Bound::SampledView { view, layout, sampler: nearest }
-                    }
+                    Some((view, layout)) => Bound::SampledView {
+                        view,
+                        layout,
+                        sampler: nearest,
+                    },
                     None => sampled(unused_sampled, nearest),
                 },
             ),
@@ -159,7 +207,10 @@ impl MarchPass {
         ];
         recorder.bind(pipeline, &bound)?;
         for (tile_px, tile_end_px) in tiles(size_px, tile) {
-            let push = MarchPush { tile_px, tile_end_px };
+            let push = MarchPush {
+                tile_px,
+                tile_end_px,
+            };
             recorder.dispatch(pipeline, &push, tile_groups(tile_px, tile_end_px));
         }
         Ok(())

@@ -18,7 +18,9 @@ pub(crate) struct Variants {
 
 impl Variants {
     pub(crate) fn new() -> Self {
-        Self { pipelines: BTreeMap::new() }
+        Self {
+            pipelines: BTreeMap::new(),
+        }
     }
 
     /// The pipeline of `interface` specialized by (id, value) pairs.
@@ -58,7 +60,8 @@ impl Reconstruction {
         };
         // The values of RECONSTRUCT_* in glsl/include/reconstruct.glsl.
         let kind = match (self.nearest, self.manual) {
-            (true, _) => 2,
+            (true, true) => 3,
+            (true, false) => 2,
             (false, true) => 1,
             (false, false) => 0,
         };
@@ -76,12 +79,22 @@ pub(crate) fn tiles(size: [u32; 2], tile: u32) -> impl Iterator<Item = ([u32; 2]
     (0..size[1].div_ceil(tile)).flat_map(move |y| {
         (0..size[0].div_ceil(tile)).map(move |x| {
             let first = [x * tile, y * tile];
-            (first, [(first[0] + tile).min(size[0]), (first[1] + tile).min(size[1])])
+            (
+                first,
+                [
+                    (first[0] + tile).min(size[0]),
+                    (first[1] + tile).min(size[1]),
+                ],
+            )
         })
     })
 }
 
 /// Workgroups of 8 x 8 that cover a tile.
 pub(crate) fn tile_groups(first: [u32; 2], end: [u32; 2]) -> [u32; 3] {
-    [(end[0] - first[0]).div_ceil(8), (end[1] - first[1]).div_ceil(8), 1]
+    [
+        (end[0] - first[0]).div_ceil(8),
+        (end[1] - first[1]).div_ceil(8),
+        1,
+    ]
 }

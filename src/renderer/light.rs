@@ -55,7 +55,9 @@ impl LightProgress {
     pub(super) fn next(&mut self) -> Option<LightPush> {
         let (direction, weight) = self.directions.get(self.traced as usize)?;
         let push = LightPush {
-            direction_ix: (self.ix_from_world * DVec3::from(*direction)).as_vec3().to_array(),
+            direction_ix: (self.ix_from_world * DVec3::from(*direction))
+                .as_vec3()
+                .to_array(),
             weight: *weight as f32,
             ray: self.traced,
             ..self.template

@@ -14,6 +14,7 @@ use crate::atlas::{
 use crate::error::{Error, Result};
 use crate::gpu::{Context, Recorder};
 use crate::pass::Reconstruction;
+use crate::pass::bare::{BarePass, BareResources};
 use crate::pass::light::{LightPass, LightResources};
 use crate::pass::march::{MarchPass, MarchResources, MarchVariant};
 use crate::scene::{Interpolation, Shading};
@@ -36,6 +37,7 @@ pub(crate) struct Loaded {
     uploads: Uploads,
     march_pass: MarchPass,
     light_pass: LightPass,
+    bare_pass: BarePass,
     pub(super) tile: Option<u32>,
 }
 
@@ -66,6 +68,7 @@ impl Loaded {
             uploads,
             march_pass: MarchPass::new(context)?,
             light_pass: LightPass::new(),
+            bare_pass: BarePass::new(),
             tile: None,
         })
     }
@@ -94,7 +97,11 @@ impl Loaded {
         &self.table
     }
 
-    pub(super) fn set_settings(&mut self, context: &Arc<Context>, settings: Settings) -> Result<()> {
+    pub(super) fn set_settings(
+        &mut self,
+        context: &Arc<Context>,
+        settings: Settings,
+    ) -> Result<()> {
         let reclassify = settings.curve != self.settings.curve;
         let lit = settings.ambient_occlusion.is_some();
         let was_lit = self.settings.ambient_occlusion.is_some();
@@ -151,7 +158,9 @@ impl Loaded {
 
     /// Directions traced, and all of them.
     pub(crate) fn light_progress(&self) -> (u32, u32) {
-        self.light.as_ref().map_or((0, 0), |l| (l.traced(), l.rays()))
+        self.light
+            .as_ref()
+            .map_or((0, 0), |l| (l.traced(), l.rays()))
     }
 
     /// True when every brick is on the device.
@@ -198,11 +207,25 @@ impl Loaded {
         recorder: &mut Recorder<'_>,
         budget: usize,
     ) -> Result<FrameReport> {
-        let Self { uploads, images, store, residency, table, visibility, .. } = self;
+        let Self {
+            uploads,
+            images,
+            store,
+            residency,
+            table,
+            visibility,
+            ..
+        } = self;
         let mut uploaded_bytes = 0;
         if uploads.pending() {
             let distances = &visibility.distances;
-            let resources = UploadResources { images, store, residency, table, distances };
+            let resources = UploadResources {
+                images,
+                store,
+                residency,
+                table,
+                distances,
+            };
             uploaded_bytes = recorder.pass(pass_name::UPLOAD, |recorder| {
                 uploads.record(context, recorder, &resources, budget)
             })?;
@@ -224,20 +247,39 @@ impl Loaded {
         volume: (u64, u64),
     ) -> Result<()> {
         // Light follows the linear field, whatever the march does; emission only where it is asked for.
-        let emission =
-            self.settings.ambient_occlusion.as_ref().is_some_and(|ao| ao.emission && self.settings.curve.emits());
-        let reconstruction = Reconstruction { nearest: false, emission, ..self.reconstruction() };
+        let emission = self
+            .settings
+            .ambient_occlusion
+            .as_ref()
+            .is_some_and(|ao| ao.emission && self.settings.curve.emits());
+        let reconstruction = Reconstruction {
+            nearest: false,
+            emission,
+            ..self.reconstruction()
+        };
         if !self.uploads.bricks_complete() {
             return Ok(());
         }
         let Some(push) = self.light.as_mut().and_then(LightProgress::next) else {
             return Ok(());
         };
-        let Self { images, lists, visibility, light_pass, .. } = self;
+        let Self {
+            images,
+            lists,
+            visibility,
+            light_pass,
+            ..
+        } = self;
         let work = &visibility.light;
         recorder.pass(pass_name::LIGHT, |recorder| {
             let uniforms = recorder.uniform_buffer();
-            let resources = LightResources { images, lists, work, uniforms: &uniforms, volume };
+            let resources = LightResources {
+                images,
+                lists,
+                work,
+                uniforms: &uniforms,
+                volume,
+            };
             light_pass.trace(context, recorder, reconstruction, &resources, push)
         })?;
         if work.seam.is_empty() {
@@ -245,7 +287,13 @@ impl Loaded {
         }
         recorder.pass(pass_name::LIGHT_SEAM, |recorder| {
             let uniforms = recorder.uniform_buffer();
-            let resources = LightResources { images, lists, work, uniforms: &uniforms, volume };
+            let resources = LightResources {
+                images,
+                lists,
+                work,
+                uniforms: &uniforms,
+                volume,
+            };
             light_pass.seam(context, recorder, &resources)
         })
     }
@@ -281,7 +329,9 @@ impl Loaded {
             blend: target.blend.then_some(target.format),
         };
         let tile = self.tile.unwrap_or_else(|| self.default_tile());
-        let Self { images, march_pass, .. } = self;
+        let Self {
+            images, march_pass, ..
+        } = self;
         recorder.pass(pass_name::MARCH, |recorder| {
             let uniforms = recorder.uniform_buffer();
             let resources = MarchResources {
@@ -297,10 +347,49 @@ impl Loaded {
         })
     }
 
+    pub(super) fn record_bare(
+        &mut self,
+        context: &Arc<Context>,
+        recorder: &mut Recorder<'_>,
+        volume: (u64, u64),
+        frame: &Frame<'_>,
+    ) -> Result<()> {
+        let params = self.frame_params(frame);
+        let frame_uniforms = recorder.slot().uniforms(bytemuck::bytes_of(&params))?;
+        let tile = self.tile.unwrap_or_else(|| self.default_tile());
+        let Self {
+            images,
+            bare_pass,
+            store,
+            ..
+        } = self;
+        recorder.pass(pass_name::BARE, |recorder| {
+            let uniforms = recorder.uniform_buffer();
+            let resources = BareResources {
+                images,
+                size: store.volume.size(),
+                uniforms: &uniforms,
+                volume,
+                frame: frame_uniforms,
+                target: frame.target.view,
+            };
+            bare_pass.record(context, recorder, &resources, frame.target.size_px, tile)
+        })
+    }
+
+    /// Light added everywhere.
+    pub(crate) fn light_bias(&self) -> f32 {
+        self.settings
+            .ambient_occlusion
+            .as_ref()
+            .map_or(0.0, |ao| ao.bias) as f32
+    }
+
     /// The largest tile whose dispatch takes a bounded number of samples, a multiple of 8.
     pub(crate) fn default_tile(&self) -> u32 {
         let volume = &self.store.volume;
-        let extent = DVec3::from_array(volume.size().map(f64::from)) * DVec3::from_array(volume.spacing());
+        let extent =
+            DVec3::from_array(volume.size().map(f64::from)) * DVec3::from_array(volume.spacing());
         let longest = extent.length() / self.step_mm();
         ((SAMPLES_A_DISPATCH / longest).sqrt() as u32).clamp(8, 8192) / 8 * 8
     }
@@ -310,8 +399,13 @@ impl Loaded {
     }
 
     pub(crate) fn frame_params(&self, frame: &Frame<'_>) -> FrameParams {
-        let Settings { march, lighting, ambient_occlusion, curve, depth_threshold, .. } =
-            &self.settings;
+        let Settings {
+            march,
+            lighting,
+            curve,
+            depth_threshold,
+            ..
+        } = &self.settings;
         let ix_from_world = self.store.volume.world_from_ix().inverse();
         let step_mm = self.step_mm();
         let rays = frame.rays;
@@ -335,7 +429,7 @@ impl Loaded {
             direction_ix: step(rays.direction),
             step_mm: step_mm as f32,
             direction_dx_ix: step(rays.direction_dx),
-            light_bias: ambient_occlusion.as_ref().map_or(0.0, |ao| ao.bias) as f32,
+            light_bias: self.light_bias(),
             direction_dy_ix: step(rays.direction_dy),
             ambient: lighting.ambient as f32,
             direction_ws: world(rays.direction),
@@ -365,7 +459,11 @@ fn select(
     table: &TransferTable,
     settings: &Settings,
 ) -> Result<crate::volume::select::Selection> {
-    let light = if settings.ambient_occlusion.is_some() { LIGHT_TEXEL_BYTES } else { 0 };
+    let light = if settings.ambient_occlusion.is_some() {
+        LIGHT_TEXEL_BYTES
+    } else {
+        0
+    };
     Residency::select(store, table, &settings.storage, light)
 }
 

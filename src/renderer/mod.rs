@@ -60,12 +60,16 @@ pub(crate) struct Frame<'a> {
 /// What to record of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Work {
+    /// Uploads alone.
+    UploadsOnly,
     /// Uploads, one direction of light, the picture.
     Everything,
     /// Uploads and one direction of light.
     LightOnly,
     /// Uploads and the picture.
     PictureOnly,
+    /// The bench's bare march instead of the picture.
+    Bare,
 }
 
 /// What a recorded frame does and what is still missing.
@@ -142,7 +146,11 @@ impl Renderer {
 
     /// GPU times (ms) of the passes of the newest frame known to have completed; empty where the device has no timestamps.
     pub fn pass_times(&self) -> Vec<(&'static str, f64)> {
-        self.slots.latest_times().iter().map(|t| (t.name, t.ms)).collect()
+        self.slots
+            .latest_times()
+            .iter()
+            .map(|t| (t.name, t.ms))
+            .collect()
     }
 
     /// The last pass known to have started: what to report when the host's submission says that the device was lost.
@@ -159,10 +167,7 @@ impl Renderer {
         self.slots.times_of(index)
     }
 
-    /// Starts a frame: retires what older ones used and hands out a recorder.
-    ///
-    /// # Safety
-    /// As `embed`'s `record`.
+    /// Checks the frame numbers and hands out what recording needs.
     pub(crate) fn begin_frame<T>(
         &mut self,
         index: u64,
@@ -191,6 +196,7 @@ pub(crate) mod pass_name {
     pub(crate) const LIGHT: &str = "light";
     pub(crate) const LIGHT_SEAM: &str = "light_seam";
     pub(crate) const MARCH: &str = "march";
+    pub(crate) const BARE: &str = "bare";
 }
 
 /// Records one frame.
@@ -202,12 +208,17 @@ pub(crate) fn record(
     work: Work,
 ) -> Result<FrameReport> {
     let mut report = loaded.record_uploads(context, recorder, frame.upload_budget)?;
-    let volume = recorder.slot().uniforms(bytemuck::bytes_of(&loaded.volume_params()))?;
-    if work != Work::PictureOnly {
+    let volume = recorder
+        .slot()
+        .uniforms(bytemuck::bytes_of(&loaded.volume_params()))?;
+    if matches!(work, Work::Everything | Work::LightOnly) {
         loaded.record_light(context, recorder, volume)?;
     }
-    if work != Work::LightOnly {
+    if matches!(work, Work::Everything | Work::PictureOnly) {
         loaded.record_march(context, recorder, volume, frame)?;
+    }
+    if work == Work::Bare {
+        loaded.record_bare(context, recorder, volume, frame)?;
     }
     (report.light_traced, report.light_rays) = loaded.light_progress();
     Ok(report)

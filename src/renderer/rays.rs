@@ -96,8 +96,15 @@ impl RayBasis {
             let (a, b) = (point(px, py, near), point(px, py, far));
             // Scaled to unit depth along the axis, so that origins and directions are affine in the pixel.
             let direction = (b - a) / ((b.z - a.z) * forward);
-            let origin = if perspective { DVec3::ZERO } else { a - direction * (a.z * forward) };
-            (world_from_view.transform_point3(origin), world_from_view.transform_vector3(direction))
+            let origin = if perspective {
+                DVec3::ZERO
+            } else {
+                a - direction * (a.z * forward)
+            };
+            (
+                world_from_view.transform_point3(origin),
+                world_from_view.transform_vector3(direction),
+            )
         };
         let ((origin, direction), x, y) = (ray(0.0, 0.0), ray(1.0, 0.0), ray(0.0, 1.0));
         let basis = Self {
@@ -108,9 +115,15 @@ impl RayBasis {
             direction_dx: x.1 - direction,
             direction_dy: y.1 - direction,
         };
-        let finite = [origin, direction, basis.origin_dx, basis.origin_dy, basis.direction_dx]
-            .iter()
-            .all(|v| v.is_finite());
+        let finite = [
+            origin,
+            direction,
+            basis.origin_dx,
+            basis.origin_dy,
+            basis.direction_dx,
+        ]
+        .iter()
+        .all(|v| v.is_finite());
         finite.then_some(basis)
     }
 }
@@ -141,13 +154,22 @@ mod tests {
     fn view(projection: Projection) -> View {
         let forward = DVec3::new(0.2, 0.9, -0.3).normalize_or_zero();
         let right = forward.cross(DVec3::Z).normalize_or_zero();
-        View { eye: DVec3::new(10.0, -50.0, 20.0), right, up: right.cross(forward), forward, projection }
+        View {
+            eye: DVec3::new(10.0, -50.0, 20.0),
+            right,
+            up: right.cross(forward),
+            forward,
+            projection,
+        }
     }
 
     /// Vulkan's clip space has y down; glam's `_rh` projections have it up.
     fn matrices(view: &View, projection: DMat4) -> (DMat4, DMat4) {
         let flip = DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0));
-        (DMat4::look_to_rh(view.eye, view.forward, view.up), flip * projection)
+        (
+            DMat4::look_to_rh(view.eye, view.forward, view.up),
+            flip * projection,
+        )
     }
 
     fn same(a: RayBasis, b: RayBasis) {
@@ -158,7 +180,10 @@ mod tests {
                 (o, d.normalize_or_zero())
             };
             let ((o1, d1), (o2, d2)) = (at(a), at(b));
-            assert!(o1.distance(o2) < 1e-9 && d1.distance(d2) < 1e-9, "{o1} {o2}, {d1} {d2}");
+            assert!(
+                o1.distance(o2) < 1e-9 && d1.distance(d2) < 1e-9,
+                "{o1} {o2}, {d1} {d2}"
+            );
         }
     }
 
@@ -168,8 +193,14 @@ mod tests {
         let perspective = view(Projection::Perspective { fov_y: 0.7 });
         let rays = RayBasis::from_view(&perspective, SIZE);
         for (projection, depth) in [
-            (DMat4::perspective_rh(0.7, aspect, 1.0, 500.0), DepthRange::Normal),
-            (DMat4::perspective_infinite_reverse_rh(0.7, aspect, 1.0), DepthRange::Reversed),
+            (
+                DMat4::perspective_rh(0.7, aspect, 1.0, 500.0),
+                DepthRange::Normal,
+            ),
+            (
+                DMat4::perspective_infinite_reverse_rh(0.7, aspect, 1.0),
+                DepthRange::Reversed,
+            ),
         ] {
             let (v, p) = matrices(&perspective, projection);
             same(rays, RayBasis::from_matrices(v, p, depth, SIZE).unwrap());
@@ -187,13 +218,17 @@ mod tests {
 
     #[test]
     fn the_basis_is_the_view() {
-        for projection in [Projection::Perspective { fov_y: 1.1 }, Projection::Orthographic { height: 7.0 }] {
+        for projection in [
+            Projection::Perspective { fov_y: 1.1 },
+            Projection::Orthographic { height: 7.0 },
+        ] {
             let view = view(projection);
             let rays = RayBasis::from_view(&view, SIZE);
             for pixel in [[0.5, 0.5], [40.5, 3.5]] {
                 let (o, d) = view.ray(pixel, SIZE);
                 let o2 = rays.origin + rays.origin_dx * pixel[0] + rays.origin_dy * pixel[1];
-                let d2 = rays.direction + rays.direction_dx * pixel[0] + rays.direction_dy * pixel[1];
+                let d2 =
+                    rays.direction + rays.direction_dx * pixel[0] + rays.direction_dy * pixel[1];
                 assert!(o.distance(o2) < 1e-9 && d.distance(d2.normalize_or_zero()) < 1e-9);
             }
         }
@@ -201,6 +236,9 @@ mod tests {
 
     #[test]
     fn singular_matrices_are_refused() {
-        assert_eq!(RayBasis::from_matrices(DMat4::ZERO, DMat4::IDENTITY, DepthRange::Normal, SIZE), None);
+        assert_eq!(
+            RayBasis::from_matrices(DMat4::ZERO, DMat4::IDENTITY, DepthRange::Normal, SIZE),
+            None
+        );
     }
 }

@@ -29,7 +29,9 @@ impl Settings {
     pub fn of_scene(scene: &Scene, volume: &Volume) -> Result<Self> {
         scene.validate()?;
         Ok(Self {
-            curve: scene.transfer_function.curve(volume, scene.image.color_management)?,
+            curve: scene
+                .transfer_function
+                .curve(volume, scene.image.color_management)?,
             march: scene.march.clone(),
             lighting: scene.lighting.clone(),
             ambient_occlusion: scene.ambient_occlusion.clone(),

@@ -62,7 +62,12 @@ pub enum Access {
 }
 
 const fn binding(binding: u32, kind: DescriptorKind, access: Access) -> Binding {
-    Binding { set: 0, binding, kind, access }
+    Binding {
+        set: 0,
+        binding,
+        kind,
+        access,
+    }
 }
 
 const fn uniform(number: u32) -> Binding {
@@ -146,7 +151,12 @@ pub const LIGHT_TRACE: PassInterface = PassInterface {
         storage_image(BINDING_LIGHT_STORE, Access::ReadWrite),
     ],
     push_constants: Some(LightPush::LAYOUT),
-    spec_ids: &[SPEC_RECONSTRUCTION, SPEC_INTER_BLOCK, SPEC_SKIPPING, SPEC_EMISSION],
+    spec_ids: &[
+        SPEC_RECONSTRUCTION,
+        SPEC_INTER_BLOCK,
+        SPEC_SKIPPING,
+        SPEC_EMISSION,
+    ],
     local_size: [4, 4, 4],
 };
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
-use clap::{ArgAction, Args, Parser, Subcommand, value_parser};
+use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum, value_parser};
 use umbravox::headless;
 
 use crate::terminal;
@@ -123,6 +123,20 @@ pub(crate) struct DeviceArgs {
     /// Edge of the tiles that a picture is rendered in, pixels; changes no pixel.
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..))]
     tile: Option<u32>,
+    /// Where device memory comes from.
+    #[arg(long, value_enum, default_value_t)]
+    memory: Memory,
+}
+
+/// Memory back ends.
+#[derive(Clone, Copy, Default, ValueEnum)]
+enum Memory {
+    /// The gpu-allocator crate.
+    #[default]
+    GpuAllocator,
+    /// AMD's Vulkan Memory Allocator.
+    #[cfg(feature = "vk-mem")]
+    Vma,
 }
 
 impl DeviceArgs {
@@ -132,6 +146,11 @@ impl DeviceArgs {
             validation: self.validation,
             pipeline_cache: !self.no_pipeline_cache,
             tile: self.tile,
+            memory: match self.memory {
+                Memory::GpuAllocator => headless::MemoryChoice::GpuAllocator,
+                #[cfg(feature = "vk-mem")]
+                Memory::Vma => headless::MemoryChoice::Vma,
+            },
         }
     }
 }

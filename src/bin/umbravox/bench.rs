@@ -5,7 +5,7 @@ use umbravox::Result;
 use umbravox::headless::{Headless, Stats};
 
 use crate::args::BenchArgs;
-use crate::{input, progress, stats_of, terminal};
+use crate::{check_validation, input, progress, stats_of, terminal};
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -38,8 +38,9 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
     }
     let report = Report {
         frame_ms: spread(frame_ms),
-        stats: stats_of(&session),
+        stats: stats_of(&mut session)?,
     };
+    check_validation(&headless)?;
     if args.json {
         terminal::print_json(&report)
     } else {

@@ -4,7 +4,7 @@ use umbravox::headless::Headless;
 use umbravox::{Error, Result, output};
 
 use crate::args::LightArgs;
-use crate::{input, progress};
+use crate::{check_validation, input, progress};
 
 pub(crate) fn run(args: &LightArgs) -> Result<()> {
     let extension = args.output.extension().unwrap_or_default();
@@ -29,5 +29,6 @@ pub(crate) fn run(args: &LightArgs) -> Result<()> {
     let mut session = headless.load(volume, &scene)?;
     progress::complete_light(&mut session, |_, _| Ok(()))?;
     let light = session.light_volume()?;
+    check_validation(&headless)?;
     output::write_light(&args.output, light.size, &light.rgba, world_from_ix)
 }

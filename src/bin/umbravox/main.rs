@@ -42,8 +42,18 @@ fn main() -> ExitCode {
 }
 
 /// Statistics of a session, with what only the program knows.
-fn stats_of(session: &umbravox::headless::Session) -> umbravox::headless::Stats {
-    let mut stats = session.stats();
+fn stats_of(
+    session: &mut umbravox::headless::Session,
+) -> umbravox::Result<umbravox::headless::Stats> {
+    let mut stats = session.stats()?;
     stats.memory.host_peak_bytes = ALLOCATOR.peak_usage() as u64;
-    stats
+    Ok(stats)
+}
+
+/// Fails when the validation layer (`--validation`) had anything to say.
+fn check_validation(headless: &umbravox::headless::Headless) -> umbravox::Result<()> {
+    match headless.validation_messages().as_slice() {
+        [] => Ok(()),
+        messages => Err(umbravox::Error::Validation(messages.join("\n"))),
+    }
 }

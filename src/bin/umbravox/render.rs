@@ -9,7 +9,7 @@ use umbravox::{Error, Result};
 
 use crate::args::RenderArgs;
 use crate::series::Series;
-use crate::{input, progress, stats_of, terminal};
+use crate::{check_validation, input, progress, stats_of, terminal};
 
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let outputs = Outputs::check(&args.outputs)?;
@@ -21,8 +21,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let headless = Headless::new(&args.device.options())?;
     let mut session = headless.load(volume, &scene)?;
     outputs.render(&mut session, &scene)?;
+    check_validation(&headless)?;
     if let Some(path) = &args.stats {
-        let stats = terminal::to_json(&stats_of(&session), &path.display().to_string())?;
+        let stats = terminal::to_json(&stats_of(&mut session)?, &path.display().to_string())?;
         output::write_bytes(path, (stats + "\n").as_bytes())?;
     }
     Ok(())

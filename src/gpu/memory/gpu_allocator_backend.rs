@@ -43,7 +43,10 @@ impl MemoryBackend for GpuAllocatorBackend {
             MemoryLocation::Upload => gpu_allocator::MemoryLocation::CpuToGpu,
             MemoryLocation::Readback => gpu_allocator::MemoryLocation::GpuToCpu,
         };
-        let mut allocator = self.allocator.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut allocator = self
+            .allocator
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
         let allocation = allocator
             .allocate(&AllocationCreateDesc {
                 name: request.name,
@@ -66,7 +69,10 @@ impl MemoryBackend for GpuAllocatorBackend {
     unsafe fn free(&self, block: MemoryBlock) {
         match block.token.downcast::<Allocation>() {
             Ok(allocation) => {
-                let mut allocator = self.allocator.lock().unwrap_or_else(PoisonError::into_inner);
+                let mut allocator = self
+                    .allocator
+                    .lock()
+                    .unwrap_or_else(PoisonError::into_inner);
                 if let Err(e) = allocator.free(*allocation) {
                     tracing::error!("gpu-allocator could not free memory: {e}");
                 }

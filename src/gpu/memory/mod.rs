@@ -125,9 +125,11 @@ pub(crate) unsafe fn backend(
     device: &ash::Device,
 ) -> Result<Arc<dyn MemoryBackend>, String> {
     Ok(match choice {
-        HostMemory::GpuAllocator => {
-            Arc::new(GpuAllocatorBackend::new(instance.clone(), physical, device.clone())?)
-        }
+        HostMemory::GpuAllocator => Arc::new(GpuAllocatorBackend::new(
+            instance.clone(),
+            physical,
+            device.clone(),
+        )?),
         #[cfg(feature = "vk-mem")]
         // SAFETY: passed on.
         HostMemory::Vma => Arc::new(unsafe { VmaBackend::new(instance, physical, device) }?),

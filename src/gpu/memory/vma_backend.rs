@@ -4,7 +4,9 @@ use std::ptr::NonNull;
 use std::sync::Arc;
 
 use ash::vk;
-use vk_mem::{Alloc as _, Allocation, AllocationCreateFlags, AllocationCreateInfo, Allocator, MemoryUsage};
+use vk_mem::{
+    Alloc as _, Allocation, AllocationCreateFlags, AllocationCreateInfo, Allocator, MemoryUsage,
+};
 
 use super::{MappedPointer, MemoryBackend, MemoryBlock, MemoryLocation, MemoryRequest};
 
@@ -50,16 +52,24 @@ impl MemoryBackend for VmaBackend {
                 vk::MemoryPropertyFlags::DEVICE_LOCAL,
                 AllocationCreateFlags::empty(),
             ),
-            MemoryLocation::Upload => {
-                (coherent, vk::MemoryPropertyFlags::empty(), AllocationCreateFlags::MAPPED)
-            }
-            MemoryLocation::Readback => {
-                (coherent, vk::MemoryPropertyFlags::HOST_CACHED, AllocationCreateFlags::MAPPED)
-            }
+            MemoryLocation::Upload => (
+                coherent,
+                vk::MemoryPropertyFlags::empty(),
+                AllocationCreateFlags::MAPPED,
+            ),
+            MemoryLocation::Readback => (
+                coherent,
+                vk::MemoryPropertyFlags::HOST_CACHED,
+                AllocationCreateFlags::MAPPED,
+            ),
         };
         // Memory of buffers and of optimal images is not mixed: VMA cannot know the resource type of raw requirements,
         // so each object of the latter kind gets a dedicated block.
-        let flags = if request.linear { flags } else { flags | AllocationCreateFlags::DEDICATED_MEMORY };
+        let flags = if request.linear {
+            flags
+        } else {
+            flags | AllocationCreateFlags::DEDICATED_MEMORY
+        };
         let info = AllocationCreateInfo {
             flags,
             usage: MemoryUsage::Unknown,

@@ -1,0 +1,425 @@
+//! Rendering without a host: a device of our own, pictures read back.
+
+mod light_volume;
+mod stats;
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use ash::vk;
+
+use crate::embed::record_owned;
+use crate::error::{Error, Result};
+use crate::gpu::memory::MemoryLocation;
+use crate::gpu::{
+    Buffer, CopyBox, HostMemory, Image, ImageInfo, OwnedDevice, OwnedDeviceInfo, PipelineCacheFile,
+};
+use crate::picture::Picture;
+use crate::renderer::{Frame, FrameReport, FrameTarget, RayBasis, Renderer, Settings, Work};
+use crate::scene::{Scene, View};
+use crate::volume::Volume;
+
+pub use crate::gpu::DeviceInfo;
+pub use light_volume::LightVolume;
+pub use stats::{BlockStats, DeviceStats, LightStats, MemoryStats, PassStats, SampleStats, Stats};
+
+/// Bytes of bricks uploaded by one submission.
+const UPLOAD_BYTES: usize = 64 << 20;
+/// Bytes of an image read back by one submission.
+const READ_BACK_BYTES: u64 = 64 << 20;
+/// Linear radiance and opacity.
+const PICTURE_FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+const PICTURE_TEXEL_BYTES: u64 = 16;
+
+/// How the device is opened.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Index, or a part of the name, as `umbravox devices` lists them; `None`: the best usable device.
+    pub device: Option<String>,
+    /// Turn validation and synchronization validation on; see [`Headless::validation_messages`].
+    pub validation: bool,
+    /// Keep compiled pipelines in the user's cache folder. Default true.
+    pub pipeline_cache: bool,
+    /// Edge of the tiles that a picture is computed in, pixels; changes no pixel. `None`: chosen by the work.
+    pub tile: Option<u32>,
+    /// Where device memory comes from. Default gpu-allocator.
+    pub memory: MemoryChoice,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            device: None,
+            validation: false,
+            pipeline_cache: true,
+            tile: None,
+            memory: MemoryChoice::GpuAllocator,
+        }
+    }
+}
+
+/// Memory back ends that a device of our own can use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MemoryChoice {
+    /// The gpu-allocator crate.
+    #[default]
+    GpuAllocator,
+    /// AMD's Vulkan Memory Allocator.
+    #[cfg(feature = "vk-mem")]
+    Vma,
+}
+
+/// Every device that the Vulkan loader finds, usable or not.
+///
+/// # Errors
+/// [`Error::NoDevice`] when there is no Vulkan loader or no driver.
+pub fn devices() -> Result<Vec<DeviceInfo>> {
+    crate::gpu::list_devices()
+}
+
+type SharedDevice = Arc<Mutex<OwnedDevice>>;
+
+/// An open device.
+pub struct Headless {
+    device: SharedDevice,
+    tile: Option<u32>,
+}
+
+impl Headless {
+    /// Opens a device.
+    ///
+    /// # Errors
+    /// [`Error::NoDevice`] when none is usable, or none as named; the message lists those that are there.
+    pub fn new(options: &Options) -> Result<Self> {
+        let device = OwnedDevice::open(&OwnedDeviceInfo {
+            device: options.device.clone(),
+            validation: options.validation,
+            pipeline_cache: options
+                .pipeline_cache
+                .then(PipelineCacheFile::in_user_cache)
+                .flatten(),
+            memory: Some(match options.memory {
+                MemoryChoice::GpuAllocator => HostMemory::GpuAllocator,
+                #[cfg(feature = "vk-mem")]
+                MemoryChoice::Vma => HostMemory::Vma,
+            }),
+        })?;
+        Ok(Self {
+            device: Arc::new(Mutex::new(device)),
+            tile: options.tile,
+        })
+    }
+
+    /// The device.
+    pub fn device(&self) -> DeviceInfo {
+        lock(&self.device).info.clone()
+    }
+
+    /// What the validation layer said so far; empty without validation.
+    pub fn validation_messages(&self) -> Vec<String> {
+        lock(&self.device).validation_messages()
+    }
+
+    /// Puts a volume on the device, as a scene says. The scene's own volume path is not looked at.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for scenes that are not valid, [`Error::OutOfMemory`], [`Error::Unsupported`].
+    pub fn load(&self, volume: Arc<Volume>, scene: &Scene) -> Result<Session> {
+        let settings = Settings::of_scene(scene, &volume)?;
+        let view = scene.camera.view(&volume, scene.image.size)?;
+        Session::new(
+            self.device.clone(),
+            volume,
+            settings,
+            view,
+            scene.image.size,
+            self.tile,
+        )
+    }
+}
+
+fn lock(device: &SharedDevice) -> std::sync::MutexGuard<'_, OwnedDevice> {
+    device.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A volume on a device of our own, with a camera.
+pub struct Session {
+    renderer: Renderer,
+    target: Image,
+    /// x: depth, y: sample count.
+    aux: Image,
+    view: View,
+    times: stats::Times,
+    /// Sample counts of the last picture, once read back.
+    samples: Option<u64>,
+    /// Dropped last.
+    device: SharedDevice,
+}
+
+impl Session {
+    fn new(
+        device: SharedDevice,
+        volume: Arc<Volume>,
+        settings: Settings,
+        view: View,
+        [width, height]: [u32; 2],
+        tile: Option<u32>,
+    ) -> Result<Self> {
+        let context = lock(&device).context().clone();
+        let limit = context.capabilities().max_extent_2d;
+        if width > limit || height > limit {
+            return Err(Error::invalid(
+                "image.size",
+                format!("{width} x {height} is beyond this device's {limit} x {limit}"),
+            ));
+        }
+        let image = |name| {
+            Image::new(
+                &context,
+                &ImageInfo {
+                    name,
+                    extent: [width, height, 1],
+                    format: PICTURE_FORMAT,
+                    three_dimensional: false,
+                    usage: vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_SRC,
+                },
+            )
+        };
+        let mut renderer = Renderer::new(&context, volume, settings)?;
+        renderer.set_tile(tile);
+        let mut session = Self {
+            renderer,
+            target: image("umbravox.picture")?,
+            aux: image("umbravox.picture.aux")?,
+            view,
+            times: stats::Times::default(),
+            samples: None,
+            device,
+        };
+        while session.submit(Work::UploadsOnly)?.bricks_missing > 0 {}
+        Ok(session)
+    }
+
+    /// Width and height, pixels.
+    pub fn size(&self) -> [u32; 2] {
+        let [width, height, _] = self.target.extent();
+        [width, height]
+    }
+
+    /// Directions of the complete light volume; 0 when ambient occlusion is off.
+    pub fn light_rays(&self) -> u32 {
+        self.renderer.loaded().light_progress().1
+    }
+
+    /// Traces one more direction of light. True while directions are left.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`], [`Error::Vulkan`].
+    pub fn refine_light(&mut self) -> Result<bool> {
+        let (traced, rays) = self.renderer.loaded().light_progress();
+        if traced == rays {
+            return Ok(false);
+        }
+        let report = self.submit(Work::LightOnly)?;
+        Ok(report.light_traced < report.light_rays)
+    }
+
+    /// Moves the camera; the light stays.
+    pub fn set_view(&mut self, view: View) {
+        self.view = view;
+    }
+
+    /// Changes transfer function, shading, light or storage; see [`Renderer::set_settings`].
+    ///
+    /// # Errors
+    /// As [`Renderer::set_settings`].
+    pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
+        self.renderer.set_settings(settings)?;
+        self.samples = None;
+        while !self.renderer.loaded().bricks_complete() {
+            self.submit(Work::UploadsOnly)?;
+        }
+        Ok(())
+    }
+
+    /// What it draws by.
+    pub fn settings(&self) -> &Settings {
+        self.renderer.settings()
+    }
+
+    /// One picture with the light as far as it has come, read back. Its number, for the jitter, is the number of directions
+    /// traced.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`], [`Error::Vulkan`], [`Error::OutOfMemory`].
+    pub fn frame(&mut self) -> Result<Picture> {
+        self.timed_frame()?;
+        let rgba = texels(&self.read_back(&self.target, PICTURE_TEXEL_BYTES)?);
+        let aux: Vec<[f32; 4]> = texels(&self.read_back(&self.aux, PICTURE_TEXEL_BYTES)?);
+        let samples: Vec<u32> = aux.iter().map(|a| a[1] as u32).collect();
+        self.samples = Some(samples.iter().map(|&n| u64::from(n)).sum());
+        Ok(Picture {
+            size: self.size(),
+            rgba,
+            depth: aux.iter().map(|a| a[0]).collect(),
+            samples,
+        })
+    }
+
+    /// One picture without read-back. Milliseconds from the start of recording to completion on the device.
+    ///
+    /// # Errors
+    /// As [`Session::frame`].
+    pub fn timed_frame(&mut self) -> Result<f64> {
+        self.samples = None;
+        let start = std::time::Instant::now();
+        self.submit(Work::PictureOnly)?;
+        self.times.frame_ms = start.elapsed().as_secs_f64() * 1e3;
+        Ok(self.times.frame_ms)
+    }
+
+    /// The light volume on the full grid; traces what is missing first.
+    ///
+    /// # Errors
+    /// As [`Session::frame`].
+    pub fn light_volume(&mut self) -> Result<LightVolume> {
+        while self.refine_light()? {}
+        let atlas = self.read_back(&self.renderer.loaded().images().light, 8)?;
+        Ok(light_volume::unpack(
+            self.renderer.loaded(),
+            bytemuck::cast_slice(&atlas),
+        ))
+    }
+
+    /// Statistics of the last picture and of the light so far. Reads the sample counts back where no picture was.
+    ///
+    /// # Errors
+    /// As [`Session::frame`].
+    pub fn stats(&mut self) -> Result<Stats> {
+        let taken = match self.samples {
+            Some(taken) => taken,
+            None if self.times.frame_ms > 0.0 => {
+                let aux: Vec<[f32; 4]> = texels(&self.read_back(&self.aux, PICTURE_TEXEL_BYTES)?);
+                aux.iter().map(|a| a[1] as u64).sum()
+            }
+            None => 0,
+        };
+        self.samples = Some(taken);
+        let allocated = self.renderer.context().allocated_bytes();
+        Ok(stats::of(
+            &self.device_info(),
+            self.renderer.loaded(),
+            &self.times,
+            self.size(),
+            taken,
+            allocated,
+        ))
+    }
+
+    /// The device's limit: marches the same rays, but only samples one texture of the volume's format and size and looks the
+    /// transfer function up; as many samples as a picture takes without skipping and early termination. Milliseconds as
+    /// [`Session::timed_frame`]. The picture is lost.
+    ///
+    /// # Errors
+    /// As [`Session::frame`].
+    pub fn timed_bare_march(&mut self) -> Result<f64> {
+        let start = std::time::Instant::now();
+        self.submit(Work::Bare)?;
+        Ok(start.elapsed().as_secs_f64() * 1e3)
+    }
+
+    fn device_info(&self) -> DeviceInfo {
+        lock(&self.device).info.clone()
+    }
+
+    fn frame_of<'a>(&self, aux: &'a Image) -> Frame<'a> {
+        let size_px = self.size();
+        Frame {
+            rays: RayBasis::from_view(&self.view, size_px),
+            target: FrameTarget {
+                view: self.target.view(),
+                format: PICTURE_FORMAT,
+                size_px,
+                encode_srgb: false,
+                blend: false,
+                background: [0.0; 4],
+            },
+            depth: None,
+            aux: Some(aux),
+            number: self.renderer.loaded().light_progress().0,
+            upload_budget: UPLOAD_BYTES,
+        }
+    }
+
+    /// Records, submits and waits.
+    fn submit(&mut self, work: Work) -> Result<FrameReport> {
+        let frame = self.frame_of(&self.aux);
+        let mut device = lock(&self.device);
+        let mut index = 0;
+        let submitted = device.submit(|recording| {
+            index = recording.index();
+            record_owned(&mut self.renderer, recording, &frame, &self.target, work)
+        });
+        let report = submitted.map_err(|e| match e {
+            Error::DeviceLost { .. } => Error::DeviceLost {
+                last_pass: self.renderer.last_pass().map(str::to_owned),
+            },
+            e => e,
+        })?;
+        self.times.add(work, self.renderer.pass_times_of(index));
+        Ok(report)
+    }
+
+    /// All texels of an image of ours, tightly packed.
+    fn read_back(&self, image: &Image, texel_bytes: u64) -> Result<Vec<u8>> {
+        let mut device = lock(&self.device);
+        read_back(&mut device, image, texel_bytes)
+    }
+}
+
+/// Texels of an image, in slabs of bounded size.
+fn read_back(device: &mut OwnedDevice, image: &Image, texel_bytes: u64) -> Result<Vec<u8>> {
+    let [width, height, depth] = image.extent();
+    let row_bytes = u64::from(width) * texel_bytes;
+    // Slabs of whole slices, or of rows where a slice is too large (then there is one slice: pictures).
+    let slice_bytes = row_bytes * u64::from(height);
+    let (rows, slices) = if slice_bytes <= READ_BACK_BYTES {
+        (
+            height,
+            (READ_BACK_BYTES / slice_bytes).clamp(1, depth.into()) as u32,
+        )
+    } else {
+        ((READ_BACK_BYTES / row_bytes).max(1) as u32, 1)
+    };
+    let context = device.context().clone();
+    let buffer = Buffer::new(
+        &context,
+        "umbravox.read_back",
+        row_bytes * u64::from(rows) * u64::from(slices),
+        vk::BufferUsageFlags::TRANSFER_DST,
+        MemoryLocation::Readback,
+    )?;
+    let mut bytes = Vec::new();
+    let total = slice_bytes * u64::from(depth);
+    bytes
+        .try_reserve_exact(total as usize)
+        .map_err(|e| Error::OutOfMemory {
+            heap: "host",
+            what: "umbravox.read_back".into(),
+            bytes: total,
+            detail: e.to_string(),
+        })?;
+    for z in (0..depth).step_by(slices as usize) {
+        for y in (0..height).step_by(rows as usize) {
+            let extent = [width, rows.min(height - y), slices.min(depth - z)];
+            let part = CopyBox::packed(0, [0, y, z], extent);
+            device.copy_to_host(image, &buffer, part)?;
+            let part_bytes = row_bytes * u64::from(extent[1]) * u64::from(extent[2]);
+            bytes.extend_from_slice(&buffer.mapped()?[..part_bytes as usize]);
+        }
+    }
+    Ok(bytes)
+}
+
+fn texels(bytes: &[u8]) -> Vec<[f32; 4]> {
+    bytemuck::pod_collect_to_vec(bytes)
+}

@@ -243,22 +243,20 @@ fn fill(space: Space, side: u32, count: usize, left_over: &mut Vec<Space>) -> Ru
             left_over.push(Space { origin, size });
         }
     };
-    let width = columns as u32 * side;
-    let depth = rows as u32 * side;
-    let full_layers = count / (columns * rows);
-    let in_last = count % (columns * rows);
-    let height = (full_layers + usize::from(in_last > 0)) as u32 * side;
-    // Above, beside and behind the bricks.
+    // The box around the bricks, and what is left behind, beside and above them.
+    let layers = count.div_ceil(columns * rows);
+    let width = columns.min(count) as u32 * side;
+    let depth = rows.min(count.div_ceil(columns)) as u32 * side;
+    let height = layers as u32 * side;
     keep([x, y, z + height], [size[0], size[1], size[2] - height]);
-    keep([x + width, y, z], [size[0] - width, size[1], height]);
-    keep([x, y + depth, z], [width, size[1] - depth, height]);
-    if in_last > 0 {
-        // The rows that the last layer lacks, and the end of its last row.
-        let top = z + height - side;
-        let used = in_last.div_ceil(columns) as u32 * side;
-        let end = ((in_last - 1) % columns + 1) as u32 * side;
-        keep([x, y + used, top], [width, depth - used, side]);
-        keep([x + end, y + used - side, top], [width - end, side, side]);
-    }
+    keep([x, y + depth, z], [size[0], size[1] - depth, height]);
+    keep([x + width, y, z], [size[0] - width, depth, height]);
+    // In the box, the rows that the last layer lacks, and the end of its last row.
+    let in_last = count - (layers - 1) * columns * rows;
+    let top = z + height - side;
+    let used = in_last.div_ceil(columns) as u32 * side;
+    let end = ((in_last - 1) % columns + 1) as u32 * side;
+    keep([x, y + used, top], [width, depth - used, side]);
+    keep([x + end, y + used - side, top], [width - end, side, side]);
     run
 }

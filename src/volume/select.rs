@@ -80,30 +80,35 @@ pub fn select(
     let grid = statistics.grid();
     if request.data_reduction == 1.0 && finest_bytes(grid, request) <= request.max_bytes {
         let everything = vec![Some(FINEST); grid.len()];
-        return Ok(finish(grid, everything, 0.0, 0));
+        return Ok(finish(grid, everything, 0.0));
     }
 
-    let curves = error_curves(statistics, transfer_function);
-    let mut choice = Choice::new(grid, &curves, request);
+    let visible: Vec<bool> = (0..grid.len())
+        .into_par_iter()
+        .with_min_len(1 << 10)
+        .map(|block| transfer_function.visible(statistics.block_value_range(block, FINEST)))
+        .collect();
+    let mut choice = Choice::new(grid, request);
     // The highest floor that fits every visible block; from there, up to the next floor at most.
-    for (floor, top) in [
-        (Some(BASE), FINEST),
-        (Some(1), BASE),
-        (Some(0), 1),
-        (None, 0),
-    ] {
-        if choice.start_at(floor) {
-            choice.upgrade(top);
-            break;
-        }
+    let (floor, top) = [(Some(BASE), FINEST), (Some(1), BASE), (Some(0), 1)]
+        .into_iter()
+        .find(|&(floor, _)| choice.start_at(floor, &visible))
+        .unwrap_or((None, 0));
+    if floor.is_none() {
+        choice.start_at(None, &visible);
     }
-    let dropped = curves
+    let curves = error_curves(statistics, transfer_function, &visible, floor);
+    choice.upgrade(&curves, top);
+
+    let error = curves
         .iter()
         .zip(&choice.levels)
-        .filter(|(curve, level)| curve.is_some() && level.is_none())
-        .count();
-    let error = choice.error();
-    Ok(finish(grid, choice.levels, error, dropped))
+        .filter_map(|(curve, &level)| Some(curve.as_ref()?[rank(level)]))
+        .sum();
+    let shown = visible.iter().filter(|&&v| v).count();
+    let mut selection = finish(grid, choice.levels, error);
+    selection.dropped = shown - selection.levels.resident();
+    Ok(selection)
 }
 
 /// Bytes of the grid of all finest bricks, the last of each axis trimmed to its voxels.
@@ -114,7 +119,7 @@ fn finest_bytes(grid: &BlockGrid, request: &Request) -> u64 {
     texels.saturating_mul(request.bytes_per_texel.into())
 }
 
-fn finish(grid: &BlockGrid, by_block: Vec<Option<u8>>, error: f64, dropped: usize) -> Selection {
+fn finish(grid: &BlockGrid, by_block: Vec<Option<u8>>, error: f64) -> Selection {
     let levels = Levels { by_block };
     let kept: u64 = levels
         .by_block
@@ -127,7 +132,7 @@ fn finish(grid: &BlockGrid, by_block: Vec<Option<u8>>, error: f64, dropped: usiz
         by_level: levels.count_by_level(),
         levels,
         error,
-        dropped,
+        dropped: 0,
     }
 }
 
@@ -145,24 +150,28 @@ fn rank(level: Option<u8>) -> usize {
     level.map_or(0, |l| usize::from(l) + 1)
 }
 
+/// Error curves of the visible blocks, from `floor` up.
 fn error_curves(
     statistics: &BlockStatistics,
     transfer_function: &impl Classify,
+    visible: &[bool],
+    floor: Option<u8>,
 ) -> Vec<ErrorCurve> {
     let table = Table::new(statistics.value_range(), transfer_function);
-    (0..statistics.grid().len())
-        .into_par_iter()
+    visible
+        .par_iter()
         .with_min_len(64)
-        .map(|block| {
-            let range = statistics.block_value_range(block, FINEST);
-            transfer_function
-                .visible(range)
-                .then(|| error_curve(statistics, block, &table))
-        })
+        .enumerate()
+        .map(|(block, visible)| visible.then(|| error_curve(statistics, block, &table, floor)))
         .collect()
 }
 
-fn error_curve(statistics: &BlockStatistics, block: usize, table: &Table) -> [f64; LEVELS + 1] {
+fn error_curve(
+    statistics: &BlockStatistics,
+    block: usize,
+    table: &Table,
+    floor: Option<u8>,
+) -> [f64; LEVELS + 1] {
     let mut curve = [0.0; LEVELS + 1];
     let [low, high] = statistics
         .stored_range(block, FINEST)
@@ -173,18 +182,21 @@ fn error_curve(statistics: &BlockStatistics, block: usize, table: &Table) -> [f6
     };
     let optical: [Optical; BINS] =
         std::array::from_fn(|k| table.at(low + (high - low) * (k as f64 / (BINS - 1) as f64)));
-    let finest = &histograms[FINEST as usize];
-    for level in (0..FINEST).rev() {
+    let finest = cumulative(&histograms[usize::from(FINEST)]);
+    for level in (floor.unwrap_or(0)..FINEST).rev() {
+        let coarse = cumulative(&histograms[usize::from(level)]);
+        let error = transport(&finest, &coarse, &optical);
         let at = rank(Some(level));
-        let error = transport(finest, &histograms[level as usize], &optical);
         curve[at] = f64::from(error).max(curve[at + 1]);
     }
-    let all: f32 = finest
-        .iter()
-        .zip(&optical)
-        .map(|(&count, optical)| f32::from(count) * norm(optical))
-        .sum();
-    curve[0] = f64::from(all).max(curve[1]);
+    if floor.is_none() {
+        let all: f32 = histograms[usize::from(FINEST)]
+            .iter()
+            .zip(&optical)
+            .map(|(&count, optical)| f32::from(count) * norm(optical))
+            .sum();
+        curve[0] = f64::from(all).max(curve[1]);
+    }
     curve
 }
 
@@ -201,26 +213,29 @@ fn distance(a: &Optical, b: &Optical) -> f32 {
     (pairs[0] + pairs[2] + (pairs[1] + pairs[3])).sqrt()
 }
 
-/// Sum of distances when the voxels of two histograms of equal mass are matched in order of value.
+/// Number of values up to each bin.
+fn cumulative(histogram: &Histogram) -> Histogram {
+    let mut sum = 0;
+    histogram.map(|count| {
+        sum += count;
+        sum
+    })
+}
+
+/// Sum of distances when the voxels of two blocks, given as cumulative histograms of equal mass, are matched in
+/// order of value.
 fn transport(from: &Histogram, to: &Histogram, optical: &[Optical; BINS]) -> f32 {
     let mut sum = 0.0;
     let (mut i, mut j) = (0, 0);
-    let (mut left, mut right) = (from[0], to[0]);
-    while i < BINS && j < BINS {
-        let matched = left.min(right);
-        if i != j && matched > 0 {
-            sum += f32::from(matched) * distance(&optical[i], &optical[j]);
-        }
-        left -= matched;
-        right -= matched;
-        if left == 0 {
-            i += 1;
-            left = from.get(i).copied().unwrap_or(0);
-        }
-        if right == 0 {
-            j += 1;
-            right = to.get(j).copied().unwrap_or(0);
-        }
+    let mut matched = 0;
+    // Both bins stay below BINS as long as voxels are left; the masks spare the bounds checks.
+    while matched < from[BINS - 1] {
+        let (a, b) = (from[i % BINS], to[j % BINS]);
+        let next = a.min(b);
+        sum += f32::from(next - matched) * distance(&optical[i % BINS], &optical[j % BINS]);
+        matched = next;
+        i += usize::from(a == next);
+        j += usize::from(b == next);
     }
     sum
 }
@@ -262,7 +277,6 @@ impl Table {
 /// Levels under construction, with what they take and what remains.
 struct Choice<'a> {
     grid: &'a BlockGrid,
-    curves: &'a [ErrorCurve],
     levels: Vec<Option<u8>>,
     voxels: u64,
     texels: u64,
@@ -279,12 +293,11 @@ struct Upgrade {
 }
 
 impl<'a> Choice<'a> {
-    fn new(grid: &'a BlockGrid, curves: &'a [ErrorCurve], request: &Request) -> Self {
+    fn new(grid: &'a BlockGrid, request: &Request) -> Self {
         // Packing bricks of several sizes leaves up to a tenth of the atlas unused.
         let max_texels = request.max_bytes / u64::from(request.bytes_per_texel.max(1));
         Self {
             grid,
-            curves,
             levels: Vec::new(),
             voxels: 0,
             texels: 0,
@@ -294,12 +307,8 @@ impl<'a> Choice<'a> {
     }
 
     /// Puts every visible block at one level. False when that does not fit.
-    fn start_at(&mut self, floor: Option<u8>) -> bool {
-        self.levels = self
-            .curves
-            .iter()
-            .map(|curve| floor.filter(|_| curve.is_some()))
-            .collect();
+    fn start_at(&mut self, floor: Option<u8>, visible: &[bool]) -> bool {
+        self.levels = visible.iter().map(|&v| floor.filter(|_| v)).collect();
         self.voxels = 0;
         self.texels = 0;
         for (block, &level) in self.levels.iter().enumerate() {
@@ -310,9 +319,8 @@ impl<'a> Choice<'a> {
     }
 
     /// Takes the best steps, up to level `top`, until one does not fit.
-    fn upgrade(&mut self, top: u8) {
-        let mut upgrades: Vec<Upgrade> = self
-            .curves
+    fn upgrade(&mut self, curves: &[ErrorCurve], top: u8) {
+        let mut upgrades: Vec<Upgrade> = curves
             .iter()
             .enumerate()
             .filter_map(|(block, curve)| Some((block, curve.as_ref()?)))
@@ -337,14 +345,6 @@ impl<'a> Choice<'a> {
             self.voxels = voxels;
             self.texels = texels;
         }
-    }
-
-    fn error(&self) -> f64 {
-        self.curves
-            .iter()
-            .zip(&self.levels)
-            .filter_map(|(curve, &level)| Some(curve.as_ref()?[rank(level)]))
-            .sum()
     }
 }
 

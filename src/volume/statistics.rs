@@ -194,19 +194,22 @@ pub(super) fn range_of(values: &[f32]) -> [f32; 2] {
 /// From value to bin.
 #[derive(Clone, Copy)]
 struct Binning {
-    /// Half the smallest value; halves keep the widest f32 range finite.
-    half_low: f32,
-    /// Bins per half unit.
+    /// A power of two that keeps the range neither infinite nor denormal.
+    unit: f32,
+    /// Smallest value, in units.
+    low: f32,
+    /// Bins per unit.
     scale: f32,
 }
 
 impl Binning {
     fn new([low, high]: [f32; 2]) -> Self {
-        let half_span = 0.5 * (f64::from(high) - f64::from(low));
+        let span = f64::from(high) - f64::from(low);
+        let unit = if span > 1e-30 { 0.5 } else { 2f32.powi(96) };
         Self {
-            half_low: 0.5 * low,
-            // A range of a few denormals would overflow to infinity.
-            scale: (((BINS - 1) as f64 / half_span) as f32).min(f32::MAX),
+            unit,
+            low: low * unit,
+            scale: ((BINS - 1) as f64 / (span * f64::from(unit))) as f32,
         }
     }
 
@@ -221,7 +224,7 @@ impl Binning {
         feed(&mut |values| {
             for values in values.chunks(PLANE) {
                 for (bin, v) in bins.iter_mut().zip(values) {
-                    *bin = ((0.5 * v - self.half_low) * self.scale + ROUND).to_bits();
+                    *bin = ((v * self.unit - self.low) * self.scale + ROUND).to_bits();
                 }
                 let (quads, rest) = bins[..values.len()].as_chunks::<4>();
                 for quad in quads {

@@ -1,4 +1,5 @@
-//! Empty-space skipping: value ranges of small groups of cells, and the distance to the nearest visible one.
+//! Empty-space skipping: value ranges of small groups of cells, and the distance to the nearest
+//! visible one.
 
 use rayon::prelude::*;
 
@@ -20,8 +21,8 @@ const ABSENT: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
 
 /// Smallest and largest value of the *stored* field over closed groups of 4^3 cells.
 ///
-/// Ranges bound what sampling the bricks can return at the levels they have, coarse ones included: all
-/// samples count that trilinear interpolation anywhere in the closed skip cell gives weight.
+/// Ranges bound what sampling the bricks can return at the levels they have, coarse ones included:
+/// all samples count that trilinear interpolation anywhere in the closed skip cell gives weight.
 #[derive(Clone, Debug)]
 pub struct CellGrid {
     counts: [u32; 3],
@@ -65,8 +66,8 @@ impl CellGrid {
         self.counts
     }
 
-    /// Smallest and largest stored value over a closed skip cell, by linear index, x fastest; `None` where
-    /// nothing is resident.
+    /// Smallest and largest stored value over a closed skip cell, by linear index, x fastest;
+    /// `None` where nothing is resident.
     pub fn stored_range(&self, cell: usize) -> Option<[f32; 2]> {
         let range = self.ranges[cell];
         (range[0] <= range[1]).then_some(range)
@@ -77,8 +78,8 @@ impl CellGrid {
         Some(self.rescale.range(self.stored_range(cell)?))
     }
 
-    /// 1 for every skip cell whose range, in the file's units, `visible` accepts; 0 for others and where nothing
-    /// is resident. x fastest.
+    /// 1 for every skip cell whose range, in the file's units, `visible` accepts; 0 for others and
+    /// where nothing is resident. x fastest.
     pub fn occupancy(&self, visible: impl Fn([f64; 2]) -> bool + Sync) -> Vec<u8> {
         (0..self.ranges.len())
             .into_par_iter()
@@ -202,11 +203,12 @@ fn fold_slices(from: &[f32], span: Span, to: &mut [f32], pick: impl Fn(f32, f32)
     }
 }
 
-/// Chessboard distance, in cells and at most [`MAX_DISTANCE`], of every cell to the nearest with `occupancy` not
-/// 0; x fastest. An occupied cell has 0.
+/// Chessboard distance, in cells and at most [`MAX_DISTANCE`], of every cell to the nearest with
+/// `occupancy` not 0; x fastest. An occupied cell has 0.
 ///
-/// Exact: a shortest path of king's moves can take its steps along one axis last, so distances within rows
-/// extend to planes, and those within planes to the grid, by one sweep each way (Rosenfeld and Pfaltz 1968).
+/// Exact: a shortest path of king's moves can take its steps along one axis last, so distances
+/// within rows extend to planes, and those within planes to the grid, by one sweep each way
+/// (Rosenfeld and Pfaltz 1968).
 ///
 /// # Panics
 /// When `occupancy` does not have one entry for each cell.

@@ -29,10 +29,11 @@ enum CopyExtents {
 impl AtlasLayout {
     /// Packs the resident bricks, none of whose axes may end beyond `max_extent` texels.
     ///
-    /// When every block is at the finest level and the limit allows it, bricks lie as their blocks do, 17
-    /// texels apart, and the last of each axis is trimmed to its voxels. Otherwise the bricks of each level
-    /// are stacked in layers, from the finest to the coarsest, and coarser ones fill the gaps of finer ones;
-    /// the base is the one of about a thousand near-square ones that makes the smallest atlas.
+    /// When every block is at the finest level and the limit allows it, bricks lie as their blocks
+    /// do, 17 texels apart, and the last of each axis is trimmed to its voxels. Otherwise the
+    /// bricks of each level are stacked in layers, from the finest to the coarsest, and coarser
+    /// ones fill the gaps of finer ones; the base is the one of about a thousand near-square ones
+    /// that makes the smallest atlas.
     ///
     /// # Errors
     /// [`Error::Invalid`] when `levels` do not fit `grid`, or the bricks do not fit the limit.
@@ -97,13 +98,14 @@ impl AtlasLayout {
         self.extent
     }
 
-    /// First texel of every block's brick, by linear block index; `None` for blocks that are not resident.
+    /// First texel of every block's brick, by linear block index; `None` for blocks that are not
+    /// resident.
     pub fn origins(&self) -> &[Option<[u32; 3]>] {
         &self.origins
     }
 
-    /// Texels of a brick to copy to its origin: a corner of the `(2^lambda + 1)^3` that a brick has. Zero for a
-    /// block that is not resident.
+    /// Texels of a brick to copy to its origin: a corner of the `(2^lambda + 1)^3` that a brick
+    /// has. Zero for a block that is not resident.
     pub fn copy_extent(&self, block: usize) -> [u32; 3] {
         match &self.copy_extents {
             CopyExtents::Trimmed(grid) => grid.cells(block).map(|m| m + 1),

@@ -1,14 +1,16 @@
 //! Choice of a level of detail for every block, by its error in the transfer-function domain.
 //!
-//! After Ljung, Lundström, Ynnerman and Museth, "Transfer Function Based Adaptive Decompression for Volume
-//! Rendering of Large Medical Data Sets" (2004): what a coarse level costs the picture is how far its colours
-//! and opacities lie from those of the finest, not how far its values do. The values of both levels are
-//! matched in order (the optimal transport between their histograms), and the error is the sum over the
-//! matched voxels of the distance between their premultiplied optical properties.
+//! After Ljung, Lundström, Ynnerman and Museth, "Transfer Function Based Adaptive Decompression for
+//! Volume Rendering of Large Medical Data Sets" (2004): what a coarse level costs the picture is
+//! how far its colours and opacities lie from those of the finest, not how far its values do. The
+//! values of both levels are matched in order (the optimal transport between their histograms), and
+//! the error is the sum over the matched voxels of the distance between their premultiplied optical
+//! properties.
 //!
-//! Levels are then bought by falling error per added voxel. Every choice is a prefix of one order, so more
-//! memory never gives a larger error.
+//! Levels are then bought by falling error per added voxel. Every choice is a prefix of one order,
+//! so more memory never gives a larger error.
 
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::blocks::{BlockGrid, FINEST, LEVELS, Levels, brick_texels};
@@ -23,11 +25,12 @@ const TABLE: usize = 4096;
 
 /// What selection asks of a transfer function.
 pub trait Classify: Sync {
-    /// `[r a, g a, b a, a, e_r, e_g, e_b]`: premultiplied linear colour, opacity over the unit distance, and
-    /// emission, of a value in the file's units.
+    /// `[r a, g a, b a, a, e_r, e_g, e_b]`: premultiplied linear colour, opacity over the unit
+    /// distance, and emission, of a value in the file's units.
     fn premultiplied(&self, value: f64) -> [f32; 7];
 
-    /// False only when every value of a closed range, in the file's units, is transparent and does not emit.
+    /// False only when every value of a closed range, in the file's units, is transparent and does
+    /// not emit.
     fn visible(&self, range: [f64; 2]) -> bool;
 }
 
@@ -59,10 +62,11 @@ pub struct Selection {
 
 /// Chooses levels for one transfer function.
 ///
-/// With `data_reduction` 1 and memory for everything, every block is at the finest level. Otherwise blocks
-/// that are transparent over their closed range are not resident, visible ones get level 2, or less where
-/// not all fit, and finer levels go where they reduce the error most per voxel until the next step would
-/// exceed the budget. Steps that gain nothing are not taken. Ties go to the lower block index.
+/// With `data_reduction` 1 and memory for everything, every block is at the finest level. Otherwise
+/// blocks that are transparent over their closed range are not resident, visible ones get level 2,
+/// or less where not all fit, and finer levels go where they reduce the error most per voxel until
+/// the next step would exceed the budget. Steps that gain nothing are not taken. Ties go to the
+/// lower block index.
 ///
 /// # Errors
 /// [`Error::Invalid`] when `data_reduction` is not a number >= 1.
@@ -141,8 +145,8 @@ fn finest_voxels(grid: &BlockGrid) -> u64 {
     grid.size().iter().map(|&n| u64::from(n) - 1).product()
 }
 
-/// Error of a block when absent and at each level, never rising from coarse to fine; `None` for a block that
-/// the transfer function hides.
+/// Error of a block when absent and at each level, never rising from coarse to fine; `None` for a
+/// block that the transfer function hides.
 type ErrorCurve = Option<[f64; LEVELS + 1]>;
 
 /// Place of a level in an error curve.
@@ -182,9 +186,9 @@ fn error_curve(
     };
     let optical: [Optical; BINS] =
         std::array::from_fn(|k| table.at(low + (high - low) * (k as f64 / (BINS - 1) as f64)));
-    let finest = cumulative(&histograms[usize::from(FINEST)]);
+    let finest = Quantiles::new(&histograms[usize::from(FINEST)]);
     for level in (floor.unwrap_or(0)..FINEST).rev() {
-        let coarse = cumulative(&histograms[usize::from(level)]);
+        let coarse = Quantiles::new(&histograms[usize::from(level)]);
         let error = transport(&finest, &coarse, &optical);
         let at = rank(Some(level));
         curve[at] = f64::from(error).max(curve[at + 1]);
@@ -200,39 +204,58 @@ fn error_curve(
     curve
 }
 
-/// Optical properties, padded to a power of two.
-type Optical = [f32; 8];
+/// Premultiplied colour and opacity; emission.
+type Optical = [Vec4; 2];
 
 fn norm(a: &Optical) -> f32 {
-    distance(a, &[0.0; 8])
+    distance(a, &[Vec4::ZERO; 2])
 }
 
 fn distance(a: &Optical, b: &Optical) -> f32 {
-    let d: Optical = std::array::from_fn(|i| (a[i] - b[i]) * (a[i] - b[i]));
-    let pairs: [f32; 4] = std::array::from_fn(|i| d[i] + d[i + 4]);
-    (pairs[0] + pairs[2] + (pairs[1] + pairs[3])).sqrt()
+    let (d, e) = (a[0] - b[0], a[1] - b[1]);
+    (d * d + e * e).element_sum().sqrt()
 }
 
-/// Number of values up to each bin.
-fn cumulative(histogram: &Histogram) -> Histogram {
-    let mut sum = 0;
-    histogram.map(|count| {
-        sum += count;
-        sum
-    })
+/// A histogram as a quantile function.
+struct Quantiles {
+    /// Bins that are not empty, ascending.
+    bins: [u8; BINS],
+    /// Number of values up to each of them.
+    until: [u16; BINS],
+    total: u16,
 }
 
-/// Sum of distances when the voxels of two blocks, given as cumulative histograms of equal mass, are matched in
-/// order of value.
-fn transport(from: &Histogram, to: &Histogram, optical: &[Optical; BINS]) -> f32 {
+impl Quantiles {
+    fn new(histogram: &Histogram) -> Self {
+        let mut quantiles = Self {
+            bins: [0; BINS],
+            until: [0; BINS],
+            total: 0,
+        };
+        let mut filled = 0;
+        for (k, &count) in histogram.iter().enumerate() {
+            quantiles.total += count;
+            // An empty bin is overwritten by the next: cheaper than to branch on noise.
+            quantiles.bins[filled % BINS] = k as u8;
+            quantiles.until[filled % BINS] = quantiles.total;
+            filled += usize::from(count > 0);
+        }
+        quantiles
+    }
+}
+
+/// Sum of distances when the values of two histograms of equal mass are matched in order.
+fn transport(from: &Quantiles, to: &Quantiles, optical: &[Optical; BINS]) -> f32 {
     let mut sum = 0.0;
     let (mut i, mut j) = (0, 0);
     let mut matched = 0;
-    // Both bins stay below BINS as long as voxels are left; the masks spare the bounds checks.
-    while matched < from[BINS - 1] {
-        let (a, b) = (from[i % BINS], to[j % BINS]);
+    // Both indices stay below BINS as long as values are left; the masks spare the bounds checks.
+    while matched < from.total.min(to.total) {
+        let (a, b) = (from.until[i % BINS], to.until[j % BINS]);
         let next = a.min(b);
-        sum += f32::from(next - matched) * distance(&optical[i % BINS], &optical[j % BINS]);
+        let optical = |bin: u8| &optical[usize::from(bin) % BINS];
+        let apart = distance(optical(from.bins[i % BINS]), optical(to.bins[j % BINS]));
+        sum += f32::from(next - matched) * apart;
         matched = next;
         i += usize::from(a == next);
         j += usize::from(b == next);
@@ -256,10 +279,9 @@ impl Table {
             samples_per_unit: if span > 0.0 { last / span } else { 0.0 },
             samples: (0..TABLE)
                 .map(|i| {
-                    let mut optical = [0.0; 8];
                     let value = low + span * (i as f64 / last);
-                    optical[..7].copy_from_slice(&transfer_function.premultiplied(value));
-                    optical
+                    let [r, g, b, a, emission @ ..] = transfer_function.premultiplied(value);
+                    [Vec4::new(r, g, b, a), Vec3::from(emission).extend(0.0)]
                 })
                 .collect(),
         }
@@ -270,7 +292,7 @@ impl Table {
         let below = (at as usize).min(TABLE - 2);
         let s = (at - below as f32).min(1.0);
         let (a, b) = (&self.samples[below], &self.samples[below + 1]);
-        std::array::from_fn(|i| a[i] + (b[i] - a[i]) * s)
+        [a[0].lerp(b[0], s), a[1].lerp(b[1], s)]
     }
 }
 
@@ -356,7 +378,8 @@ fn texels(level: Option<u8>) -> u64 {
     level.map_or(0, |l| brick_texels(l) as u64)
 }
 
-/// The steps from a level to `top` along the lower convex hull of error against voxels: falling gains.
+/// The steps from a level to `top` along the lower convex hull of error against voxels: falling
+/// gains.
 fn hull(
     grid: &BlockGrid,
     block: usize,
@@ -374,8 +397,8 @@ fn hull(
                 Upgrade {
                     block: block as u32,
                     to,
-                    // A thin last block can hold fewer voxels than its coarse samples. The cap keeps rounding
-                    // from putting the second of two steps of equal gain first.
+                    // A thin last block can hold fewer voxels than its coarse samples. The cap
+                    // keeps rounding from putting the second of two steps of equal gain first.
                     gain: (removed / added.max(1) as f64).min(last_gain),
                 }
             })

@@ -16,10 +16,10 @@ pub type Histogram = [u16; BINS];
 
 /// Range and histogram of every block at every level, in stored units.
 ///
-/// Everything is taken over the *closed* block, borders included: that is what a ray through the block can
-/// meet. The histogram of a level counts the values that trilinear interpolation of the level's samples takes
-/// at the `(m+1)^3` voxel positions; at the finest level these are the voxels. All levels of a block share
-/// the bins. Blocks of one value keep no histogram.
+/// Everything is taken over the *closed* block, borders included: that is what a ray through the
+/// block can meet. The histogram of a level counts the values that trilinear interpolation of the
+/// level's samples takes at the `(m+1)^3` voxel positions; at the finest level these are the
+/// voxels. All levels of a block share the bins. Blocks of one value keep no histogram.
 ///
 /// Takes 0.18 bytes per voxel of full blocks at most.
 #[derive(Clone, Debug)]
@@ -69,7 +69,8 @@ impl BlockStatistics {
         self.value_range
     }
 
-    /// Smallest and largest sample of a block at a level, in stored units; at [`FINEST`], of its closed voxels.
+    /// Smallest and largest sample of a block at a level, in stored units; at [`FINEST`], of its
+    /// closed voxels.
     pub fn stored_range(&self, block: usize, level: u8) -> [f32; 2] {
         self.blocks[block].ranges[level as usize]
     }
@@ -218,7 +219,8 @@ impl Binning {
         // Adding 2^23 rounds to an integer and leaves it in the low bits of the mantissa.
         const ROUND: f32 = (1 << 23) as f32;
         const PLANE: usize = 512;
-        // Neighbouring values often share a bin: counting into different tables avoids waiting for the last one.
+        // Neighbouring values often share a bin: counting into different tables avoids waiting for
+        // the last one.
         let mut tables = [[0u16; BINS]; 4];
         let mut bins = [0u32; PLANE];
         feed(&mut |values| {

@@ -6,8 +6,9 @@ use umbravox::volume::statistics::{BINS, BlockStatistics, Histogram};
 
 use super::{Field, Random, closed_range, random_f32, random_u8, volume_of};
 
-/// Least and most that each bin may count of what trilinear interpolation of a brick yields at the voxels of its
-/// closed block. They differ by the values that lie on the border of two bins, to the rounding of f32.
+/// Least and most that each bin may count of what trilinear interpolation of a brick yields at the
+/// voxels of its closed block. They differ by the values that lie on the border of two bins, to the
+/// rounding of f32.
 fn brute_force(field: &Field, block: usize, [low, high]: [f64; 2]) -> [Histogram; 2] {
     let grid = &field.grid;
     let (origin, cells) = (grid.origin_ix(block), grid.cells(block));

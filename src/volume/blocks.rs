@@ -1,10 +1,11 @@
-//! Flat multiresolution blocking: which block covers which cells, and what its brick holds at each level.
+//! Flat multiresolution blocking: which block covers which cells, and what its brick holds at each
+//! level.
 //!
-//! A *cell* is the cube between eight neighbouring voxels, so `n` voxels make `n - 1` cells. A *block* is
-//! 16^3 cells and covers a closed region of index space; blocks share the voxels on their borders. A *brick*
-//! is what is stored of a block at a level of detail `lambda` in 0..=4 (Ljung's flat blocking): `N^3` own
-//! samples and a one-sided apron, `(N + 1)^3` samples that cover the closed block. Trilinear interpolation
-//! inside a block therefore needs its own brick only.
+//! A *cell* is the cube between eight neighbouring voxels, so `n` voxels make `n - 1` cells. A
+//! *block* is 16^3 cells and covers a closed region of index space; blocks share the voxels on
+//! their borders. A *brick* is what is stored of a block at a level of detail `lambda` in 0..=4
+//! (Ljung's flat blocking): `N^3` own samples and a one-sided apron, `(N + 1)^3` samples that cover
+//! the closed block. Trilinear interpolation inside a block therefore needs its own brick only.
 
 use crate::error::{Error, Result};
 
@@ -38,7 +39,8 @@ impl BlockGrid {
     /// Blocks of a volume of `size` voxels.
     ///
     /// # Errors
-    /// [`Error::Invalid`] when an axis has fewer than two voxels, or there are more than `u32::MAX` blocks.
+    /// [`Error::Invalid`] when an axis has fewer than two voxels, or there are more than `u32::MAX`
+    /// blocks.
     pub fn new(size: [u32; 3]) -> Result<Self> {
         if size.iter().any(|&n| n < super::MIN_SIZE) {
             return Err(Error::invalid(
@@ -98,7 +100,8 @@ impl BlockGrid {
         self.position(block).map(|b| b * BLOCK_CELLS)
     }
 
-    /// Cells of a block on each axis, `m` in 1..=16; fewer than 16 only in the last block of an axis.
+    /// Cells of a block on each axis, `m` in 1..=16; fewer than 16 only in the last block of an
+    /// axis.
     pub fn cells(&self, block: usize) -> [u32; 3] {
         let first_ix = self.origin_ix(block);
         std::array::from_fn(|a| (self.size[a] - 1 - first_ix[a]).min(BLOCK_CELLS))
@@ -106,8 +109,8 @@ impl BlockGrid {
 
     /// Intervals between the samples of a brick on each axis, `N`.
     ///
-    /// Sample `i` in 0..=N of an axis lies `i m / N` cells into the block. Below the finest level `N = 2^lambda`;
-    /// at the finest, samples are the voxels, `N = m`.
+    /// Sample `i` in 0..=N of an axis lies `i m / N` cells into the block. Below the finest level
+    /// `N = 2^lambda`; at the finest, samples are the voxels, `N = m`.
     pub fn intervals(&self, block: usize, level: u8) -> [u32; 3] {
         if level == FINEST {
             self.cells(block)

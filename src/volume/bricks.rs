@@ -1,12 +1,13 @@
 //! What is stored of each block: the texels of its brick, continuous across blocks of any level.
 //!
-//! Between blocks of equal level the shared face holds the same samples in both. Where levels differ, the finer
-//! brick takes its border from the coarser one: a border sample is the trilinear interpolation of the
-//! *coarsest* resident block that contains it. Borders are resolved from coarse to fine, so that a coarse
-//! brick already agrees with still coarser ones. As the samples of a level are a subset of those of the next,
-//! the finer brick then reproduces the coarser one all over the shared face, up to the rounding of integer
-//! texels. The exception is a last block of fewer than 16 cells at the finest level, whose voxels need not lie on
-//! the samples of a coarse neighbour: linear fields stay exact, others may show a small step there.
+//! Between blocks of equal level the shared face holds the same samples in both. Where levels
+//! differ, the finer brick takes its border from the coarser one: a border sample is the trilinear
+//! interpolation of the *coarsest* resident block that contains it. Borders are resolved from
+//! coarse to fine, so that a coarse brick already agrees with still coarser ones. As the samples of
+//! a level are a subset of those of the next, the finer brick then reproduces the coarser one all
+//! over the shared face, up to the rounding of integer texels. The exception is a last block of
+//! fewer than 16 cells at the finest level, whose voxels need not lie on the samples of a coarse
+//! neighbour: linear fields stay exact, others may show a small step there.
 
 use rayon::prelude::*;
 
@@ -30,7 +31,8 @@ impl<'a> BrickBuilder<'a> {
     /// They take `(2^lambda + 1)^3` texels of host memory each, as in the atlas.
     ///
     /// # Errors
-    /// [`crate::Error::Invalid`] when `levels` do not fit `grid`, or `grid` does not fit the volume.
+    /// [`crate::Error::Invalid`] when `levels` do not fit `grid`, or `grid` does not fit the
+    /// volume.
     pub fn new(volume: &'a Volume, grid: &'a BlockGrid, levels: &'a Levels) -> Result<Self> {
         levels.check(grid)?;
         if grid.size() != volume.size() {
@@ -77,8 +79,9 @@ impl<'a> BrickBuilder<'a> {
 
     /// Writes the texels of a brick, x fastest, to the first [`BrickBuilder::bytes`] of `to`.
     ///
-    /// Signed voxels are offset by half their range. In a last block of fewer than 16 cells at the finest level the
-    /// texels beyond its voxels repeat the last one. Nothing is written for a block that is not resident.
+    /// Signed voxels are offset by half their range. In a last block of fewer than 16 cells at the
+    /// finest level the texels beyond its voxels repeat the last one. Nothing is written for a
+    /// block that is not resident.
     ///
     /// # Panics
     /// When `to` is too short.
@@ -89,7 +92,8 @@ impl<'a> BrickBuilder<'a> {
         }
     }
 
-    /// Like [`BrickBuilder::write`], but as stored voxels (before rescale): what sampling the atlas yields.
+    /// Like [`BrickBuilder::write`], but as stored voxels (before rescale): what sampling the atlas
+    /// yields.
     ///
     /// # Panics
     /// When `to` holds fewer than `(2^lambda + 1)^3` samples.
@@ -174,7 +178,8 @@ impl<'a, V: Voxel> Bricks<'a, V> {
         &self.coarse[self.map.start[block]..][..brick_texels(level)]
     }
 
-    /// Rows of voxels of a finest brick, in order; each has `m + 1` voxels and is to be repeated to 17.
+    /// Rows of voxels of a finest brick, in order; each has `m + 1` voxels and is to be repeated to
+    /// 17.
     fn finest_rows(&self, block: usize) -> impl Iterator<Item = &[V]> {
         let [width, height, _] = self.map.grid.size().map(|n| n as usize);
         let [x, y, z] = self.map.grid.origin_ix(block).map(|c| c as usize);
@@ -244,7 +249,8 @@ impl<V: Voxel> Write for Bricks<'_, V> {
     }
 }
 
-/// The 26 faces, edges and corners of a block, by the side (-1, 0 or 1) they lie on; 0 runs along the axis.
+/// The 26 faces, edges and corners of a block, by the side (-1, 0 or 1) they lie on; 0 runs along
+/// the axis.
 fn border_features() -> impl Iterator<Item = [i32; 3]> {
     (0..27)
         .filter(|&i| i != 13)
@@ -261,7 +267,8 @@ impl Map<'_> {
         })
     }
 
-    /// The coarsest resident block below `level` that shares a face, edge or corner, with the step to it.
+    /// The coarsest resident block below `level` that shares a face, edge or corner, with the step
+    /// to it.
     fn coarsest_at(
         &self,
         block: usize,
@@ -299,7 +306,8 @@ impl Map<'_> {
             };
             let coarse_brick = &coarse[self.start[neighbor]..][..brick_texels(coarser)];
             let other = 1usize << coarser;
-            // Samples in the relative interior of the feature; its own border belongs to other features.
+            // Samples in the relative interior of the feature; its own border belongs to other
+            // features.
             let range = |a: usize| match feature[a] {
                 0 => 1..own[a],
                 1 => own[a]..own[a] + 1,
@@ -350,7 +358,8 @@ impl Map<'_> {
     }
 }
 
-/// Trilinear interpolation inside a brick; on each axis, the sample below and the fraction toward the next.
+/// Trilinear interpolation inside a brick; on each axis, the sample below and the fraction toward
+/// the next.
 fn interpolate<V: Voxel>(brick: &[V::Texel], side: usize, at: [(usize, f64); 3]) -> f64 {
     let sample = |corner: usize| {
         let index = |a: usize| at[a].0 + (corner >> a & 1);

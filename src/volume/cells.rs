@@ -1,4 +1,5 @@
-//! Empty-space skipping: value ranges of small groups of cells, and the distance to the nearest visible one.
+//! Empty-space skipping: value ranges of small groups of cells, and the distance to the nearest
+//! visible one.
 
 use rayon::prelude::*;
 
@@ -20,8 +21,8 @@ const ABSENT: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
 
 /// Smallest and largest value of the *stored* field over closed groups of 4^3 cells.
 ///
-/// Ranges bound what sampling the bricks can return at the levels they have, coarse ones included: all
-/// samples count that trilinear interpolation anywhere in the closed skip cell gives weight.
+/// Ranges bound what sampling the bricks can return at the levels they have, coarse ones included:
+/// all samples count that trilinear interpolation anywhere in the closed skip cell gives weight.
 #[derive(Clone, Debug)]
 pub struct CellGrid {
     counts: [u32; 3],
@@ -36,7 +37,6 @@ impl CellGrid {
         let counts = grid.size().map(|n| (n - 1).div_ceil(SKIP_CELLS));
         let [width, height, depth] = counts.map(|n| n as usize);
         let mut ranges = vec![ABSENT; width * height * depth];
-        // One strip: the skip cells of a row of blocks along x, in one layer of them along z.
         let blocks = grid.counts().map(|n| n as usize);
         ranges
             .par_chunks_mut(width * height * PER_BLOCK)
@@ -66,8 +66,8 @@ impl CellGrid {
         self.counts
     }
 
-    /// Smallest and largest stored value over a closed skip cell, by linear index, x fastest; `None` where
-    /// nothing is resident.
+    /// Smallest and largest stored value over a closed skip cell, by linear index, x fastest;
+    /// `None` where nothing is resident.
     pub fn stored_range(&self, cell: usize) -> Option<[f32; 2]> {
         let range = self.ranges[cell];
         (range[0] <= range[1]).then_some(range)
@@ -78,8 +78,8 @@ impl CellGrid {
         Some(self.rescale.range(self.stored_range(cell)?))
     }
 
-    /// 1 for every skip cell whose range, in the file's units, `visible` accepts; 0 for others and where nothing
-    /// is resident. x fastest.
+    /// 1 for every skip cell whose range, in the file's units, `visible` accepts; 0 for others and
+    /// where nothing is resident. x fastest.
     pub fn occupancy(&self, visible: impl Fn([f64; 2]) -> bool + Sync) -> Vec<u8> {
         (0..self.ranges.len())
             .into_par_iter()
@@ -92,8 +92,8 @@ impl CellGrid {
 /// Room to reduce a brick to its skip cells, axis by axis.
 struct Scratch {
     samples: Vec<f32>,
-    rows: Vec<[f32; 2]>,
-    planes: Vec<[f32; 2]>,
+    planes: Vec<f32>,
+    rows: Vec<f32>,
     cells: [[f32; 2]; PER_BLOCK.pow(3)],
 }
 
@@ -102,8 +102,8 @@ impl Scratch {
         let side = brick_extent(FINEST) as usize;
         Self {
             samples: vec![0.0; brick_texels(FINEST)],
-            rows: vec![ABSENT; PER_BLOCK * side * side],
-            planes: vec![ABSENT; PER_BLOCK * PER_BLOCK * side],
+            planes: vec![0.0; PER_BLOCK * side * side],
+            rows: vec![0.0; PER_BLOCK * PER_BLOCK * side],
             cells: [ABSENT; PER_BLOCK.pow(3)],
         }
     }
@@ -117,28 +117,46 @@ impl Scratch {
         level: u8,
     ) -> [usize; 3] {
         bricks.stored(block, &mut self.samples);
+        let (cells, intervals) = (grid.cells(block), grid.intervals(block, level));
         let side = brick_extent(level) as usize;
-        let spans = [0, 1, 2].map(|a| spans(grid.cells(block)[a], grid.intervals(block, level)[a]));
+        let spans = [0, 1, 2].map(|a| spans(cells[a], intervals[a]));
+        self.fold(side, &spans, 0, |a, b| if b < a { b } else { a });
+        self.fold(side, &spans, 1, |a, b| if b > a { b } else { a });
+        cells.map(|m| m.div_ceil(SKIP_CELLS) as usize)
+    }
 
-        let rows = self.samples.chunks_exact(side).take(side * side);
-        for (row, to) in rows.zip(self.rows.chunks_exact_mut(PER_BLOCK)) {
-            for (to, span) in to.iter_mut().zip(&spans[0]) {
-                *to = row[span.first..=span.last]
-                    .iter()
-                    .fold(ABSENT, |range, &v| union(range, [v, v]));
+    /// Combines the samples of every skip cell and stores the result as one `end` of the ranges.
+    fn fold(
+        &mut self,
+        side: usize,
+        spans: &[[Span; PER_BLOCK]; 3],
+        end: usize,
+        pick: impl Fn(f32, f32) -> f32,
+    ) {
+        let area = side * side;
+        for (span, to) in spans[2].iter().zip(self.planes.chunks_exact_mut(area)) {
+            fold_slices(&self.samples, *span, to, &pick);
+        }
+        for (plane, to) in self
+            .planes
+            .chunks_exact(area)
+            .take(PER_BLOCK)
+            .zip(self.rows.chunks_exact_mut(PER_BLOCK * side))
+        {
+            for (span, to) in spans[1].iter().zip(to.chunks_exact_mut(side)) {
+                fold_slices(plane, *span, to, &pick);
             }
         }
-        let planes = self.rows.chunks_exact(PER_BLOCK * side).take(side);
-        for (rows, to) in planes.zip(self.planes.chunks_exact_mut(PER_BLOCK * PER_BLOCK)) {
-            reduce_slices(rows, PER_BLOCK, &spans[1], to);
+        for (row, to) in self
+            .rows
+            .chunks_exact(side)
+            .zip(self.cells.chunks_exact_mut(PER_BLOCK))
+        {
+            for (span, to) in spans[0].iter().zip(to) {
+                let samples = &row[span.first..=span.last];
+                to[end] = samples[1..].iter().copied().fold(samples[0], &pick);
+            }
         }
-        reduce_slices(
-            &self.planes,
-            PER_BLOCK * PER_BLOCK,
-            &spans[2],
-            &mut self.cells,
-        );
-        [0, 1, 2].map(|a| grid.cells(block)[a].div_ceil(SKIP_CELLS) as usize)
     }
 
     fn copy_to(&self, size: [usize; 3], to: &mut [[f32; 2]], strides: [usize; 2]) {
@@ -171,34 +189,26 @@ fn spans(cells: u32, intervals: u32) -> [Span; PER_BLOCK] {
     })
 }
 
-fn union(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
-    [
-        if b[0] < a[0] { b[0] } else { a[0] },
-        if b[1] > a[1] { b[1] } else { a[1] },
-    ]
-}
-
-/// For each span, the union of the slices of `from`, each `length` long, that it names.
-fn reduce_slices(from: &[[f32; 2]], length: usize, spans: &[Span], to: &mut [[f32; 2]]) {
-    for (to, span) in to.chunks_exact_mut(length).zip(spans) {
-        to.fill(ABSENT);
-        for slice in from
-            .chunks_exact(length)
-            .take(span.last + 1)
-            .skip(span.first)
-        {
-            for (to, range) in to.iter_mut().zip(slice) {
-                *to = union(*to, *range);
-            }
+/// Combines the slices of `from`, each as long as `to`, that a span names.
+fn fold_slices(from: &[f32], span: Span, to: &mut [f32], pick: impl Fn(f32, f32) -> f32) {
+    let length = to.len();
+    let mut slices = from[span.first * length..(span.last + 1) * length].chunks_exact(length);
+    if let Some(first) = slices.next() {
+        to.copy_from_slice(first);
+    }
+    for slice in slices {
+        for (to, &v) in to.iter_mut().zip(slice) {
+            *to = pick(*to, v);
         }
     }
 }
 
-/// Chessboard distance, in cells and at most [`MAX_DISTANCE`], of every cell to the nearest with `occupancy` not
-/// 0; x fastest. An occupied cell has 0.
+/// Chessboard distance, in cells and at most [`MAX_DISTANCE`], of every cell to the nearest with
+/// `occupancy` not 0; x fastest. An occupied cell has 0.
 ///
-/// Exact: a shortest path of king's moves can take its steps along one axis last, so distances within rows
-/// extend to planes, and those within planes to the grid, by one sweep each way (Rosenfeld and Pfaltz 1968).
+/// Exact: a shortest path of king's moves can take its steps along one axis last, so distances
+/// within rows extend to planes, and those within planes to the grid, by one sweep each way
+/// (Rosenfeld and Pfaltz 1968).
 ///
 /// # Panics
 /// When `occupancy` does not have one entry for each cell.

@@ -1,10 +1,10 @@
 //! From the voxels of one block to the samples of its coarse levels.
 //!
-//! Filtering is separable and never leaves the closed block. On an axis, a sample on a border of the block is
-//! the border plane itself; a sample inside is a tent of half-width `s = m / N` around its position. A sample
-//! is then a convex combination of voxels that every block containing its position also contains, so blocks of
-//! equal level agree on shared faces and nothing leaks into a block from beside it. Tents reproduce linear
-//! fields exactly.
+//! Filtering is separable and never leaves the closed block. On an axis, a sample on a border of
+//! the block is the border plane itself; a sample inside is a tent of half-width `s = m / N` around
+//! its position. A sample is then a convex combination of voxels that every block containing its
+//! position also contains, so blocks of equal level agree on shared faces and nothing leaks into a
+//! block from beside it. Tents reproduce linear fields exactly.
 
 use std::sync::LazyLock;
 
@@ -52,8 +52,9 @@ fn border_tap(voxel: usize) -> Tap {
 
 /// Tent of half-width `cells / intervals`, rounded to whole voxels, around `position / intervals`.
 ///
-/// A tent of integer half-width `h` has weights `(h - |j|) / h^2` at integer offsets. Between two voxels it is
-/// the linear blend of the tents around them, which keeps the sum at 1 and the mean at the position.
+/// A tent of integer half-width `h` has weights `(h - |j|) / h^2` at integer offsets. Between two
+/// voxels it is the linear blend of the tents around them, which keeps the sum at 1 and the mean at
+/// the position.
 fn tent(position: usize, cells: usize, intervals: usize) -> Tap {
     let half = ((2 * cells + intervals) / (2 * intervals)).max(1);
     let below = position / intervals;
@@ -90,7 +91,8 @@ impl BlockFilter {
         }
     }
 
-    /// Takes the closed block of `cells` cells at `origin_ix` out of a volume of `volume_size` voxels.
+    /// Takes the closed block of `cells` cells at `origin_ix` out of a volume of `volume_size`
+    /// voxels.
     pub(crate) fn gather<V: Voxel>(
         &mut self,
         voxels: &[V],
@@ -123,9 +125,11 @@ impl BlockFilter {
         &self.voxels[..self.size.iter().product()]
     }
 
-    /// The `(2^lambda + 1)^3` samples of a level below the finest, x fastest, rounded as they are stored.
+    /// The `(2^lambda + 1)^3` samples of a level below the finest, x fastest, rounded as they are
+    /// stored.
     ///
-    /// Sums are in f64 so that rounding to the texel cannot leave the range of the voxels that went in.
+    /// Sums are in f64 so that rounding to the texel cannot leave the range of the voxels that went
+    /// in.
     pub(crate) fn coarse<V: Voxel>(&mut self, level: u8, samples: &mut [V::Texel]) {
         let taps: [&[Tap]; 3] =
             std::array::from_fn(|a| AXIS_TAPS[self.size[a] - 2][level as usize].as_slice());
@@ -175,8 +179,8 @@ fn weighted_sum<T: Copy + Into<f64>>(tap: &Tap, from: &[T], to: &mut [f64]) {
     }
 }
 
-/// Where a voxel `x` of a closed block lies among the samples of an axis: the sample below, and the fraction
-/// toward the next.
+/// Where a voxel `x` of a closed block lies among the samples of an axis: the sample below, and the
+/// fraction toward the next.
 pub(crate) fn place(x: usize, cells: usize, intervals: usize) -> (usize, f32) {
     let below = (x * intervals / cells).min(intervals - 1);
     (below, (x * intervals - below * cells) as f32 / cells as f32)

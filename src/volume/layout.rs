@@ -29,10 +29,11 @@ enum CopyExtents {
 impl AtlasLayout {
     /// Packs the resident bricks, none of whose axes may end beyond `max_extent` texels.
     ///
-    /// When every block is at the finest level and the limit allows it, bricks lie as their blocks do, 17
-    /// texels apart, and the last of each axis is trimmed to its voxels. Otherwise the bricks of each level
-    /// are stacked in layers, from the finest to the coarsest, and coarser ones fill the gaps of finer ones;
-    /// the base is the one of about a thousand near-square ones that makes the smallest atlas.
+    /// When every block is at the finest level and the limit allows it, bricks lie as their blocks
+    /// do, 17 texels apart, and the last of each axis is trimmed to its voxels. Otherwise the
+    /// bricks of each level are stacked in layers, from the finest to the coarsest, and coarser
+    /// ones fill the gaps of finer ones; the base is the one of about a thousand near-square ones
+    /// that makes the smallest atlas.
     ///
     /// # Errors
     /// [`Error::Invalid`] when `levels` do not fit `grid`, or the bricks do not fit the limit.
@@ -97,13 +98,14 @@ impl AtlasLayout {
         self.extent
     }
 
-    /// First texel of every block's brick, by linear block index; `None` for blocks that are not resident.
+    /// First texel of every block's brick, by linear block index; `None` for blocks that are not
+    /// resident.
     pub fn origins(&self) -> &[Option<[u32; 3]>] {
         &self.origins
     }
 
-    /// Texels of a brick to copy to its origin: a corner of the `(2^lambda + 1)^3` that a brick has. Zero for a
-    /// block that is not resident.
+    /// Texels of a brick to copy to its origin: a corner of the `(2^lambda + 1)^3` that a brick
+    /// has. Zero for a block that is not resident.
     pub fn copy_extent(&self, block: usize) -> [u32; 3] {
         match &self.copy_extents {
             CopyExtents::Trimmed(grid) => grid.cells(block).map(|m| m + 1),
@@ -243,22 +245,20 @@ fn fill(space: Space, side: u32, count: usize, left_over: &mut Vec<Space>) -> Ru
             left_over.push(Space { origin, size });
         }
     };
-    let width = columns as u32 * side;
-    let depth = rows as u32 * side;
-    let full_layers = count / (columns * rows);
-    let in_last = count % (columns * rows);
-    let height = (full_layers + usize::from(in_last > 0)) as u32 * side;
-    // Above, beside and behind the bricks.
+    // The box around the bricks, and what is left behind, beside and above them.
+    let layers = count.div_ceil(columns * rows);
+    let width = columns.min(count) as u32 * side;
+    let depth = rows.min(count.div_ceil(columns)) as u32 * side;
+    let height = layers as u32 * side;
     keep([x, y, z + height], [size[0], size[1], size[2] - height]);
-    keep([x + width, y, z], [size[0] - width, size[1], height]);
-    keep([x, y + depth, z], [width, size[1] - depth, height]);
-    if in_last > 0 {
-        // The rows that the last layer lacks, and the end of its last row.
-        let top = z + height - side;
-        let used = in_last.div_ceil(columns) as u32 * side;
-        let end = ((in_last - 1) % columns + 1) as u32 * side;
-        keep([x, y + used, top], [width, depth - used, side]);
-        keep([x + end, y + used - side, top], [width - end, side, side]);
-    }
+    keep([x, y + depth, z], [size[0], size[1] - depth, height]);
+    keep([x + width, y, z], [size[0] - width, depth, height]);
+    // In the box, the rows that the last layer lacks, and the end of its last row.
+    let in_last = count - (layers - 1) * columns * rows;
+    let top = z + height - side;
+    let used = in_last.div_ceil(columns) as u32 * side;
+    let end = ((in_last - 1) % columns + 1) as u32 * side;
+    keep([x, y + used, top], [width, depth - used, side]);
+    keep([x + end, y + used - side, top], [width - end, side, side]);
     run
 }

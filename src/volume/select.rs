@@ -1,14 +1,16 @@
 //! Choice of a level of detail for every block, by its error in the transfer-function domain.
 //!
-//! After Ljung, Lundström, Ynnerman and Museth, "Transfer Function Based Adaptive Decompression for Volume
-//! Rendering of Large Medical Data Sets" (2004): what a coarse level costs the picture is how far its colours
-//! and opacities lie from those of the finest, not how far its values do. The values of both levels are
-//! matched in order (the optimal transport between their histograms), and the error is the sum over the
-//! matched voxels of the distance between their premultiplied optical properties.
+//! After Ljung, Lundström, Ynnerman and Museth, "Transfer Function Based Adaptive Decompression for
+//! Volume Rendering of Large Medical Data Sets" (2004): what a coarse level costs the picture is
+//! how far its colours and opacities lie from those of the finest, not how far its values do. The
+//! values of both levels are matched in order (the optimal transport between their histograms), and
+//! the error is the sum over the matched voxels of the distance between their premultiplied optical
+//! properties.
 //!
-//! Levels are then bought by falling error per added voxel. Every choice is a prefix of one order, so more
-//! memory never gives a larger error.
+//! Levels are then bought by falling error per added voxel. Every choice is a prefix of one order,
+//! so more memory never gives a larger error.
 
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::blocks::{BlockGrid, FINEST, LEVELS, Levels, brick_texels};
@@ -23,11 +25,12 @@ const TABLE: usize = 4096;
 
 /// What selection asks of a transfer function.
 pub trait Classify: Sync {
-    /// `[r a, g a, b a, a, e_r, e_g, e_b]`: premultiplied linear colour, opacity over the unit distance, and
-    /// emission, of a value in the file's units.
+    /// `[r a, g a, b a, a, e_r, e_g, e_b]`: premultiplied linear colour, opacity over the unit
+    /// distance, and emission, of a value in the file's units.
     fn premultiplied(&self, value: f64) -> [f32; 7];
 
-    /// False only when every value of a closed range, in the file's units, is transparent and does not emit.
+    /// False only when every value of a closed range, in the file's units, is transparent and does
+    /// not emit.
     fn visible(&self, range: [f64; 2]) -> bool;
 }
 
@@ -59,10 +62,11 @@ pub struct Selection {
 
 /// Chooses levels for one transfer function.
 ///
-/// With `data_reduction` 1 and memory for everything, every block is at the finest level. Otherwise blocks
-/// that are transparent over their closed range are not resident, visible ones get level 2, or less where
-/// not all fit, and finer levels go where they reduce the error most per voxel until the next step would
-/// exceed the budget. Steps that gain nothing are not taken. Ties go to the lower block index.
+/// With `data_reduction` 1 and memory for everything, every block is at the finest level. Otherwise
+/// blocks that are transparent over their closed range are not resident, visible ones get level 2,
+/// or less where not all fit, and finer levels go where they reduce the error most per voxel until
+/// the next step would exceed the budget. Steps that gain nothing are not taken. Ties go to the
+/// lower block index.
 ///
 /// # Errors
 /// [`Error::Invalid`] when `data_reduction` is not a number >= 1.
@@ -80,30 +84,35 @@ pub fn select(
     let grid = statistics.grid();
     if request.data_reduction == 1.0 && finest_bytes(grid, request) <= request.max_bytes {
         let everything = vec![Some(FINEST); grid.len()];
-        return Ok(finish(grid, everything, 0.0, 0));
+        return Ok(finish(grid, everything, 0.0));
     }
 
-    let curves = error_curves(statistics, transfer_function);
-    let mut choice = Choice::new(grid, &curves, request);
+    let visible: Vec<bool> = (0..grid.len())
+        .into_par_iter()
+        .with_min_len(1 << 10)
+        .map(|block| transfer_function.visible(statistics.block_value_range(block, FINEST)))
+        .collect();
+    let mut choice = Choice::new(grid, request);
     // The highest floor that fits every visible block; from there, up to the next floor at most.
-    for (floor, top) in [
-        (Some(BASE), FINEST),
-        (Some(1), BASE),
-        (Some(0), 1),
-        (None, 0),
-    ] {
-        if choice.start_at(floor) {
-            choice.upgrade(top);
-            break;
-        }
+    let (floor, top) = [(Some(BASE), FINEST), (Some(1), BASE), (Some(0), 1)]
+        .into_iter()
+        .find(|&(floor, _)| choice.start_at(floor, &visible))
+        .unwrap_or((None, 0));
+    if floor.is_none() {
+        choice.start_at(None, &visible);
     }
-    let dropped = curves
+    let curves = error_curves(statistics, transfer_function, &visible, floor);
+    choice.upgrade(&curves, top);
+
+    let error = curves
         .iter()
         .zip(&choice.levels)
-        .filter(|(curve, level)| curve.is_some() && level.is_none())
-        .count();
-    let error = choice.error();
-    Ok(finish(grid, choice.levels, error, dropped))
+        .filter_map(|(curve, &level)| Some(curve.as_ref()?[rank(level)]))
+        .sum();
+    let shown = visible.iter().filter(|&&v| v).count();
+    let mut selection = finish(grid, choice.levels, error);
+    selection.dropped = shown - selection.levels.resident();
+    Ok(selection)
 }
 
 /// Bytes of the grid of all finest bricks, the last of each axis trimmed to its voxels.
@@ -114,7 +123,7 @@ fn finest_bytes(grid: &BlockGrid, request: &Request) -> u64 {
     texels.saturating_mul(request.bytes_per_texel.into())
 }
 
-fn finish(grid: &BlockGrid, by_block: Vec<Option<u8>>, error: f64, dropped: usize) -> Selection {
+fn finish(grid: &BlockGrid, by_block: Vec<Option<u8>>, error: f64) -> Selection {
     let levels = Levels { by_block };
     let kept: u64 = levels
         .by_block
@@ -127,7 +136,7 @@ fn finish(grid: &BlockGrid, by_block: Vec<Option<u8>>, error: f64, dropped: usiz
         by_level: levels.count_by_level(),
         levels,
         error,
-        dropped,
+        dropped: 0,
     }
 }
 
@@ -136,8 +145,8 @@ fn finest_voxels(grid: &BlockGrid) -> u64 {
     grid.size().iter().map(|&n| u64::from(n) - 1).product()
 }
 
-/// Error of a block when absent and at each level, never rising from coarse to fine; `None` for a block that
-/// the transfer function hides.
+/// Error of a block when absent and at each level, never rising from coarse to fine; `None` for a
+/// block that the transfer function hides.
 type ErrorCurve = Option<[f64; LEVELS + 1]>;
 
 /// Place of a level in an error curve.
@@ -145,24 +154,28 @@ fn rank(level: Option<u8>) -> usize {
     level.map_or(0, |l| usize::from(l) + 1)
 }
 
+/// Error curves of the visible blocks, from `floor` up.
 fn error_curves(
     statistics: &BlockStatistics,
     transfer_function: &impl Classify,
+    visible: &[bool],
+    floor: Option<u8>,
 ) -> Vec<ErrorCurve> {
     let table = Table::new(statistics.value_range(), transfer_function);
-    (0..statistics.grid().len())
-        .into_par_iter()
+    visible
+        .par_iter()
         .with_min_len(64)
-        .map(|block| {
-            let range = statistics.block_value_range(block, FINEST);
-            transfer_function
-                .visible(range)
-                .then(|| error_curve(statistics, block, &table))
-        })
+        .enumerate()
+        .map(|(block, visible)| visible.then(|| error_curve(statistics, block, &table, floor)))
         .collect()
 }
 
-fn error_curve(statistics: &BlockStatistics, block: usize, table: &Table) -> [f64; LEVELS + 1] {
+fn error_curve(
+    statistics: &BlockStatistics,
+    block: usize,
+    table: &Table,
+    floor: Option<u8>,
+) -> [f64; LEVELS + 1] {
     let mut curve = [0.0; LEVELS + 1];
     let [low, high] = statistics
         .stored_range(block, FINEST)
@@ -173,54 +186,79 @@ fn error_curve(statistics: &BlockStatistics, block: usize, table: &Table) -> [f6
     };
     let optical: [Optical; BINS] =
         std::array::from_fn(|k| table.at(low + (high - low) * (k as f64 / (BINS - 1) as f64)));
-    let finest = &histograms[FINEST as usize];
-    for level in (0..FINEST).rev() {
+    let finest = Quantiles::new(&histograms[usize::from(FINEST)]);
+    for level in (floor.unwrap_or(0)..FINEST).rev() {
+        let coarse = Quantiles::new(&histograms[usize::from(level)]);
+        let error = transport(&finest, &coarse, &optical);
         let at = rank(Some(level));
-        let error = transport(finest, &histograms[level as usize], &optical);
         curve[at] = f64::from(error).max(curve[at + 1]);
     }
-    let all: f32 = finest
-        .iter()
-        .zip(&optical)
-        .map(|(&count, optical)| f32::from(count) * norm(optical))
-        .sum();
-    curve[0] = f64::from(all).max(curve[1]);
+    if floor.is_none() {
+        let all: f32 = histograms[usize::from(FINEST)]
+            .iter()
+            .zip(&optical)
+            .map(|(&count, optical)| f32::from(count) * norm(optical))
+            .sum();
+        curve[0] = f64::from(all).max(curve[1]);
+    }
     curve
 }
 
-/// Optical properties, padded to a power of two.
-type Optical = [f32; 8];
+/// Premultiplied colour and opacity; emission.
+type Optical = [Vec4; 2];
 
 fn norm(a: &Optical) -> f32 {
-    distance(a, &[0.0; 8])
+    distance(a, &[Vec4::ZERO; 2])
 }
 
 fn distance(a: &Optical, b: &Optical) -> f32 {
-    let d: Optical = std::array::from_fn(|i| (a[i] - b[i]) * (a[i] - b[i]));
-    let pairs: [f32; 4] = std::array::from_fn(|i| d[i] + d[i + 4]);
-    (pairs[0] + pairs[2] + (pairs[1] + pairs[3])).sqrt()
+    let (d, e) = (a[0] - b[0], a[1] - b[1]);
+    (d * d + e * e).element_sum().sqrt()
 }
 
-/// Sum of distances when the voxels of two histograms of equal mass are matched in order of value.
-fn transport(from: &Histogram, to: &Histogram, optical: &[Optical; BINS]) -> f32 {
+/// A histogram as a quantile function.
+struct Quantiles {
+    /// Bins that are not empty, ascending.
+    bins: [u8; BINS],
+    /// Number of values up to each of them.
+    until: [u16; BINS],
+    total: u16,
+}
+
+impl Quantiles {
+    fn new(histogram: &Histogram) -> Self {
+        let mut quantiles = Self {
+            bins: [0; BINS],
+            until: [0; BINS],
+            total: 0,
+        };
+        let mut filled = 0;
+        for (k, &count) in histogram.iter().enumerate() {
+            quantiles.total += count;
+            // An empty bin is overwritten by the next: cheaper than to branch on noise.
+            quantiles.bins[filled % BINS] = k as u8;
+            quantiles.until[filled % BINS] = quantiles.total;
+            filled += usize::from(count > 0);
+        }
+        quantiles
+    }
+}
+
+/// Sum of distances when the values of two histograms of equal mass are matched in order.
+fn transport(from: &Quantiles, to: &Quantiles, optical: &[Optical; BINS]) -> f32 {
     let mut sum = 0.0;
     let (mut i, mut j) = (0, 0);
-    let (mut left, mut right) = (from[0], to[0]);
-    while i < BINS && j < BINS {
-        let matched = left.min(right);
-        if i != j && matched > 0 {
-            sum += f32::from(matched) * distance(&optical[i], &optical[j]);
-        }
-        left -= matched;
-        right -= matched;
-        if left == 0 {
-            i += 1;
-            left = from.get(i).copied().unwrap_or(0);
-        }
-        if right == 0 {
-            j += 1;
-            right = to.get(j).copied().unwrap_or(0);
-        }
+    let mut matched = 0;
+    // Both indices stay below BINS as long as values are left; the masks spare the bounds checks.
+    while matched < from.total.min(to.total) {
+        let (a, b) = (from.until[i % BINS], to.until[j % BINS]);
+        let next = a.min(b);
+        let optical = |bin: u8| &optical[usize::from(bin) % BINS];
+        let apart = distance(optical(from.bins[i % BINS]), optical(to.bins[j % BINS]));
+        sum += f32::from(next - matched) * apart;
+        matched = next;
+        i += usize::from(a == next);
+        j += usize::from(b == next);
     }
     sum
 }
@@ -241,10 +279,9 @@ impl Table {
             samples_per_unit: if span > 0.0 { last / span } else { 0.0 },
             samples: (0..TABLE)
                 .map(|i| {
-                    let mut optical = [0.0; 8];
                     let value = low + span * (i as f64 / last);
-                    optical[..7].copy_from_slice(&transfer_function.premultiplied(value));
-                    optical
+                    let [r, g, b, a, emission @ ..] = transfer_function.premultiplied(value);
+                    [Vec4::new(r, g, b, a), Vec3::from(emission).extend(0.0)]
                 })
                 .collect(),
         }
@@ -255,14 +292,13 @@ impl Table {
         let below = (at as usize).min(TABLE - 2);
         let s = (at - below as f32).min(1.0);
         let (a, b) = (&self.samples[below], &self.samples[below + 1]);
-        std::array::from_fn(|i| a[i] + (b[i] - a[i]) * s)
+        [a[0].lerp(b[0], s), a[1].lerp(b[1], s)]
     }
 }
 
 /// Levels under construction, with what they take and what remains.
 struct Choice<'a> {
     grid: &'a BlockGrid,
-    curves: &'a [ErrorCurve],
     levels: Vec<Option<u8>>,
     voxels: u64,
     texels: u64,
@@ -279,12 +315,11 @@ struct Upgrade {
 }
 
 impl<'a> Choice<'a> {
-    fn new(grid: &'a BlockGrid, curves: &'a [ErrorCurve], request: &Request) -> Self {
+    fn new(grid: &'a BlockGrid, request: &Request) -> Self {
         // Packing bricks of several sizes leaves up to a tenth of the atlas unused.
         let max_texels = request.max_bytes / u64::from(request.bytes_per_texel.max(1));
         Self {
             grid,
-            curves,
             levels: Vec::new(),
             voxels: 0,
             texels: 0,
@@ -294,12 +329,8 @@ impl<'a> Choice<'a> {
     }
 
     /// Puts every visible block at one level. False when that does not fit.
-    fn start_at(&mut self, floor: Option<u8>) -> bool {
-        self.levels = self
-            .curves
-            .iter()
-            .map(|curve| floor.filter(|_| curve.is_some()))
-            .collect();
+    fn start_at(&mut self, floor: Option<u8>, visible: &[bool]) -> bool {
+        self.levels = visible.iter().map(|&v| floor.filter(|_| v)).collect();
         self.voxels = 0;
         self.texels = 0;
         for (block, &level) in self.levels.iter().enumerate() {
@@ -310,9 +341,8 @@ impl<'a> Choice<'a> {
     }
 
     /// Takes the best steps, up to level `top`, until one does not fit.
-    fn upgrade(&mut self, top: u8) {
-        let mut upgrades: Vec<Upgrade> = self
-            .curves
+    fn upgrade(&mut self, curves: &[ErrorCurve], top: u8) {
+        let mut upgrades: Vec<Upgrade> = curves
             .iter()
             .enumerate()
             .filter_map(|(block, curve)| Some((block, curve.as_ref()?)))
@@ -338,14 +368,6 @@ impl<'a> Choice<'a> {
             self.texels = texels;
         }
     }
-
-    fn error(&self) -> f64 {
-        self.curves
-            .iter()
-            .zip(&self.levels)
-            .filter_map(|(curve, &level)| Some(curve.as_ref()?[rank(level)]))
-            .sum()
-    }
 }
 
 fn voxels(grid: &BlockGrid, block: usize, level: Option<u8>) -> u64 {
@@ -356,7 +378,8 @@ fn texels(level: Option<u8>) -> u64 {
     level.map_or(0, |l| brick_texels(l) as u64)
 }
 
-/// The steps from a level to `top` along the lower convex hull of error against voxels: falling gains.
+/// The steps from a level to `top` along the lower convex hull of error against voxels: falling
+/// gains.
 fn hull(
     grid: &BlockGrid,
     block: usize,
@@ -374,8 +397,8 @@ fn hull(
                 Upgrade {
                     block: block as u32,
                     to,
-                    // A thin last block can hold fewer voxels than its coarse samples. The cap keeps rounding
-                    // from putting the second of two steps of equal gain first.
+                    // A thin last block can hold fewer voxels than its coarse samples. The cap
+                    // keeps rounding from putting the second of two steps of equal gain first.
                     gain: (removed / added.max(1) as f64).min(last_gain),
                 }
             })

@@ -16,10 +16,10 @@ pub type Histogram = [u16; BINS];
 
 /// Range and histogram of every block at every level, in stored units.
 ///
-/// Everything is taken over the *closed* block, borders included: that is what a ray through the block can
-/// meet. The histogram of a level counts the values that trilinear interpolation of the level's samples takes
-/// at the `(m+1)^3` voxel positions; at the finest level these are the voxels. All levels of a block share
-/// the bins. Blocks of one value keep no histogram.
+/// Everything is taken over the *closed* block, borders included: that is what a ray through the
+/// block can meet. The histogram of a level counts the values that trilinear interpolation of the
+/// level's samples takes at the `(m+1)^3` voxel positions; at the finest level these are the
+/// voxels. All levels of a block share the bins. Blocks of one value keep no histogram.
 ///
 /// Takes 0.18 bytes per voxel of full blocks at most.
 #[derive(Clone, Debug)]
@@ -69,7 +69,8 @@ impl BlockStatistics {
         self.value_range
     }
 
-    /// Smallest and largest sample of a block at a level, in stored units; at [`FINEST`], of its closed voxels.
+    /// Smallest and largest sample of a block at a level, in stored units; at [`FINEST`], of its
+    /// closed voxels.
     pub fn stored_range(&self, block: usize, level: u8) -> [f32; 2] {
         self.blocks[block].ranges[level as usize]
     }
@@ -194,19 +195,22 @@ pub(super) fn range_of(values: &[f32]) -> [f32; 2] {
 /// From value to bin.
 #[derive(Clone, Copy)]
 struct Binning {
-    /// Half the smallest value; halves keep the widest f32 range finite.
-    half_low: f32,
-    /// Bins per half unit.
+    /// A power of two that keeps the range neither infinite nor denormal.
+    unit: f32,
+    /// Smallest value, in units.
+    low: f32,
+    /// Bins per unit.
     scale: f32,
 }
 
 impl Binning {
     fn new([low, high]: [f32; 2]) -> Self {
-        let half_span = 0.5 * (f64::from(high) - f64::from(low));
+        let span = f64::from(high) - f64::from(low);
+        let unit = if span > 1e-30 { 0.5 } else { 2f32.powi(96) };
         Self {
-            half_low: 0.5 * low,
-            // A range of a few denormals would overflow to infinity.
-            scale: (((BINS - 1) as f64 / half_span) as f32).min(f32::MAX),
+            unit,
+            low: low * unit,
+            scale: ((BINS - 1) as f64 / (span * f64::from(unit))) as f32,
         }
     }
 
@@ -215,13 +219,14 @@ impl Binning {
         // Adding 2^23 rounds to an integer and leaves it in the low bits of the mantissa.
         const ROUND: f32 = (1 << 23) as f32;
         const PLANE: usize = 512;
-        // Neighbouring values often share a bin: counting into different tables avoids waiting for the last one.
+        // Neighbouring values often share a bin: counting into different tables avoids waiting for
+        // the last one.
         let mut tables = [[0u16; BINS]; 4];
         let mut bins = [0u32; PLANE];
         feed(&mut |values| {
             for values in values.chunks(PLANE) {
                 for (bin, v) in bins.iter_mut().zip(values) {
-                    *bin = ((0.5 * v - self.half_low) * self.scale + ROUND).to_bits();
+                    *bin = ((v * self.unit - self.low) * self.scale + ROUND).to_bits();
                 }
                 let (quads, rest) = bins[..values.len()].as_chunks::<4>();
                 for quad in quads {

@@ -4,8 +4,9 @@ use bytemuck::Pod;
 
 /// A voxel type of [`super::Voxels`] and the texel that keeps its precision on the device.
 ///
-/// "Stored" values are those of the file before rescale. Signed integers become unsigned texels by adding
-/// half their range, because unsigned normalised formats are the ones that every device samples.
+/// "Stored" values are those of the file before rescale. Signed integers become unsigned texels by
+/// adding half their range, because unsigned normalised formats are the ones that every device
+/// samples.
 pub(crate) trait Voxel: Pod + Send + Sync {
     /// What one atlas texel holds.
     type Texel: Pod + Send + Sync;

@@ -82,12 +82,9 @@ fn bricks_of_all_levels_pack_tightly() {
         assert_disjoint(&layout, &levels);
         let ratio = layout.texels() as f64 / used(&levels);
         assert!(ratio <= 1.1, "{ratio} for {:?}", levels.count_by_level());
-        let [low, high] = [layout.extent().iter().min(), layout.extent().iter().max()];
-        assert!(
-            high.unwrap() <= &(3 * low.unwrap()),
-            "{:?}",
-            layout.extent()
-        );
+        let extent = layout.extent();
+        let [low, high] = [extent.iter().min(), extent.iter().max()].map(Option::unwrap);
+        assert!(*high <= 3 * low, "{extent:?}");
     }
 }
 

@@ -1,4 +1,5 @@
-//! Bricked multiresolution storage on the CPU: statistics, selection, bricks, skip cells, atlas layout.
+//! Bricked multiresolution storage on the CPU: statistics, selection, bricks, skip cells, atlas
+//! layout.
 
 mod bricks;
 mod cells;

@@ -7,6 +7,7 @@
 #include "structs.glsl"
 #include "volume.glsl"
 #include "light_work.glsl"
+#include "half_float.glsl"
 
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
 
@@ -50,5 +51,5 @@ void main() {
         return;
     }
     Brick from = brick_fetch(coarser ? sharing.coarsest_bx : sharing.owner_bx);
-    imageStore(i_light, s.sample_at, light_between(from, sample_position_ix(brick, s.local)));
+    imageStore(i_light, s.sample_at, round_to_half(light_between(from, sample_position_ix(brick, s.local))));
 }

@@ -10,6 +10,7 @@
 #include "classify.glsl"
 #include "skip.glsl"
 #include "light_work.glsl"
+#include "half_float.glsl"
 
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
 
@@ -118,5 +119,5 @@ void main() {
     }
     vec4 light = push.weight * light_along(sample_position_ix(brick, s.local), brick.level);
     vec4 mean = push.ray == 0u ? vec4(0.0) : imageLoad(i_light, s.sample_at);
-    imageStore(i_light, s.sample_at, mean + (light - mean) / float(push.ray + 1u));
+    imageStore(i_light, s.sample_at, round_to_half(mean + (light - mean) / float(push.ray + 1u)));
 }

@@ -144,7 +144,7 @@ pub(crate) const COLOR_LAYERS: vk::ImageSubresourceLayers = vk::ImageSubresource
     layer_count: 1,
 };
 
-/// Filter of a sampler; addresses are always clamped.
+/// Filter of a sampler.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Filter {
     Nearest,
@@ -163,13 +163,19 @@ impl Sampler {
             Filter::Nearest => vk::Filter::NEAREST,
             Filter::Linear => vk::Filter::LINEAR,
         };
+        // Coordinates never leave the image, so this mode shows nowhere; but llvmpipe filters 8-bit formats with 8-bit
+        // weights where all axes clamp or repeat, and in floats where one does not.
+        let last_axis = match filter {
+            vk::Filter::LINEAR => vk::SamplerAddressMode::MIRRORED_REPEAT,
+            _ => vk::SamplerAddressMode::CLAMP_TO_EDGE,
+        };
         let info = vk::SamplerCreateInfo::default()
             .mag_filter(filter)
             .min_filter(filter)
             .mipmap_mode(vk::SamplerMipmapMode::NEAREST)
             .address_mode_u(vk::SamplerAddressMode::CLAMP_TO_EDGE)
             .address_mode_v(vk::SamplerAddressMode::CLAMP_TO_EDGE)
-            .address_mode_w(vk::SamplerAddressMode::CLAMP_TO_EDGE);
+            .address_mode_w(last_axis);
         // SAFETY: the device is alive, the info is complete and asks for no feature.
         let handle = unsafe { context.device.create_sampler(&info, None) }
             .map_err(|e| context.vulkan_error("vkCreateSampler", name, e))?;

@@ -140,20 +140,6 @@ impl Images {
             &self.linear
         }
     }
-
-    /// Device memory of all images, bytes.
-    pub(crate) fn bytes(&self) -> u64 {
-        [
-            &self.atlas,
-            &self.index,
-            &self.skip,
-            &self.transfer,
-            &self.light,
-        ]
-        .iter()
-        .map(|i| i.bytes())
-        .sum()
-    }
 }
 
 /// The light passes' lists on the device.

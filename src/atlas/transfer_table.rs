@@ -116,11 +116,6 @@ impl TransferTable {
         }
     }
 
-    /// The function itself.
-    pub(crate) fn curve(&self) -> &Curve {
-        &self.curve
-    }
-
     /// Bins, padding included.
     pub(crate) fn bins(&self) -> usize {
         self.starts.len()

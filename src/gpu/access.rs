@@ -17,8 +17,6 @@ pub(crate) enum Access {
     SampledGeneral,
     /// Read and written as a storage buffer or image (`GENERAL`).
     Storage,
-    /// Read as a storage buffer in a compute shader.
-    StorageRead,
     /// Read by the host after the frame has completed.
     HostRead,
 }
@@ -35,14 +33,13 @@ pub(crate) struct Masks {
 impl Access {
     /// Every access.
     #[cfg(test)]
-    pub(crate) const ALL: [Self; 8] = [
+    pub(crate) const ALL: [Self; 7] = [
         Self::None,
         Self::TransferRead,
         Self::TransferWrite,
         Self::SampledRead,
         Self::SampledGeneral,
         Self::Storage,
-        Self::StorageRead,
         Self::HostRead,
     ];
 
@@ -76,7 +73,6 @@ impl Access {
                 L::GENERAL,
                 true,
             ),
-            Self::StorageRead => (S::COMPUTE_SHADER, A::SHADER_READ, L::GENERAL, false),
             Self::HostRead => (S::HOST, A::HOST_READ, L::GENERAL, false),
         };
         Masks {
@@ -117,7 +113,8 @@ mod tests {
     fn images_also_change_layout() {
         assert!(Access::None.needs_barrier(Access::SampledRead, true));
         assert!(Access::TransferRead.needs_barrier(Access::SampledRead, true));
-        assert!(!Access::SampledGeneral.needs_barrier(Access::StorageRead, true));
+        assert!(!Access::SampledGeneral.needs_barrier(Access::SampledGeneral, true));
+        assert!(Access::SampledRead.needs_barrier(Access::SampledGeneral, true));
         assert!(!Access::SampledRead.needs_barrier(Access::SampledRead, true));
     }
 

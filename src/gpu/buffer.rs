@@ -90,10 +90,6 @@ impl Buffer {
         self.handle
     }
 
-    pub(crate) fn bytes(&self) -> u64 {
-        self.bytes
-    }
-
     fn mapped_pointer(&self) -> Result<*mut u8> {
         self.block
             .as_ref()
@@ -112,23 +108,6 @@ impl Buffer {
         // SAFETY: mapped for the whole block, which is at least `bytes` long and lives as long as `self`; `&mut self`
         // makes this the only host view.
         Ok(unsafe { std::slice::from_raw_parts_mut(pointer, self.bytes as usize) })
-    }
-
-    /// Copies `data` to `offset`. For buffers that are shared: parts already given to a frame are not written again until it
-    /// has completed.
-    pub(super) fn write(&self, offset: u64, data: &[u8]) -> Result<()> {
-        let pointer = self.mapped_pointer()?;
-        assert!(
-            offset + data.len() as u64 <= self.bytes,
-            "{} holds what is written to it",
-            self.name
-        );
-        // SAFETY: inside the mapped block (asserted). The buffer is not `Sync` (`Cell`), and host views by reference are only
-        // made through `&mut self` or after the frame completed, so nothing else touches this part now.
-        unsafe {
-            std::ptr::copy_nonoverlapping(data.as_ptr(), pointer.add(offset as usize), data.len());
-        }
-        Ok(())
     }
 
     /// The host's view for reading, after the frame that wrote it has completed.

@@ -24,6 +24,13 @@ pub(crate) struct PassTime {
     pub(crate) ms: f64,
 }
 
+/// A part of the frame's uniform buffer, bytes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Uniforms {
+    pub(super) offset: u64,
+    pub(super) bytes: u64,
+}
+
 /// Resources of one frame in flight; reused once the frame has completed.
 pub(crate) struct FrameSlot {
     context: Arc<Context>,
@@ -31,8 +38,7 @@ pub(crate) struct FrameSlot {
     frame: u64,
     pub(super) descriptors: vk::DescriptorPool,
     queries: vk::QueryPool,
-    /// Shared so that it can be bound while the slot is recorded with.
-    uniforms: Arc<Buffer>,
+    uniforms: Buffer,
     uniform_bytes: u64,
     markers: Buffer,
     passes: Vec<&'static str>,
@@ -59,13 +65,13 @@ impl FrameSlot {
             frame: 0,
             descriptors: vk::DescriptorPool::null(),
             queries: vk::QueryPool::null(),
-            uniforms: Arc::new(Buffer::new(
+            uniforms: Buffer::new(
                 context,
                 "umbravox.frame.uniforms",
                 UNIFORM_BYTES,
                 vk::BufferUsageFlags::UNIFORM_BUFFER,
                 MemoryLocation::Upload,
-            )?),
+            )?,
             uniform_bytes: 0,
             markers: Buffer::new(
                 context,
@@ -109,21 +115,22 @@ impl FrameSlot {
     }
 
     /// Writes uniforms and tells where they lie.
-    pub(crate) fn uniforms(&mut self, data: &[u8]) -> Result<(u64, u64)> {
+    pub(crate) fn uniforms(&mut self, data: &[u8]) -> Result<Uniforms> {
         let offset = self.uniform_bytes;
         let bytes = data.len() as u64;
         debug_assert!(
             offset + bytes <= UNIFORM_BYTES,
             "uniforms of a frame fit its buffer"
         );
-        self.uniforms.write(offset, data)?;
+        self.uniforms.mapped_mut()?[offset as usize..(offset + bytes) as usize]
+            .copy_from_slice(data);
         self.uniform_bytes = (offset + bytes).next_multiple_of(UNIFORM_ALIGNMENT);
-        Ok((offset, bytes))
+        Ok(Uniforms { offset, bytes })
     }
 
     /// The buffer that [`FrameSlot::uniforms`] writes to.
-    pub(crate) fn uniform_buffer(&self) -> Arc<Buffer> {
-        self.uniforms.clone()
+    pub(super) fn uniform_buffer(&self) -> &Buffer {
+        &self.uniforms
     }
 
     /// # Safety

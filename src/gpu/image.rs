@@ -28,7 +28,6 @@ pub(crate) struct Image {
     view: vk::ImageView,
     block: Option<MemoryBlock>,
     extent: [u32; 3],
-    bytes: u64,
     pub(super) access: Cell<Access>,
 }
 
@@ -79,7 +78,6 @@ impl Image {
             view: vk::ImageView::null(),
             block: Some(block),
             extent: info.extent,
-            bytes: requirements.size,
             access: Cell::new(Access::None),
         };
         // SAFETY: fresh handle and fresh memory of its requirements. On failure the image's Drop frees both.
@@ -109,11 +107,6 @@ impl Image {
     /// Texels on x, y, z.
     pub(crate) fn extent(&self) -> [u32; 3] {
         self.extent
-    }
-
-    /// Device memory it takes, bytes.
-    pub(crate) fn bytes(&self) -> u64 {
-        self.bytes
     }
 }
 

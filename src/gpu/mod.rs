@@ -29,9 +29,8 @@ pub use memory::HostMemory;
 
 pub(crate) use access::Access;
 pub(crate) use buffer::Buffer;
-pub(crate) use frame_slot::{FrameSlot, FrameSlots, PassTime};
+pub(crate) use frame_slot::{FrameSlots, PassTime, Uniforms};
 pub(crate) use image::{Filter, Image, ImageInfo, Sampler};
 pub(crate) use owned_device::{OwnedDevice, OwnedDeviceInfo, OwnedRecording, list_devices};
 pub(crate) use pipeline::{Bound, Pipeline};
-pub(crate) use pipeline_cache::PipelineCacheFile;
 pub(crate) use recorder::{CopyBox, Recorder, ViewBinding};

@@ -25,7 +25,7 @@ pub(crate) struct OwnedDeviceInfo {
     /// Validation and synchronization validation; messages are collected.
     pub(crate) validation: bool,
     /// Keep compiled pipelines on disk.
-    pub(crate) pipeline_cache: Option<PipelineCacheFile>,
+    pub(crate) pipeline_cache: bool,
     /// Memory back end; `None`: gpu-allocator.
     pub(crate) memory: Option<HostMemory>,
 }
@@ -371,11 +371,14 @@ impl OwnedDevice {
             command: vk::CommandBuffer::null(),
             fence: vk::Fence::null(),
             cache: vk::PipelineCache::null(),
-            cache_file: open.pipeline_cache.clone(),
+            cache_file: open
+                .pipeline_cache
+                .then(|| PipelineCacheFile::of_device(&candidate.capabilities))
+                .flatten(),
             instance,
             frame: 0,
         };
-        owned.create_objects(queue_family, &candidate.capabilities)?;
+        owned.create_objects(queue_family)?;
         let host = HostDevice {
             instance: owned.instance.handle.clone(),
             physical_device: candidate.physical,
@@ -391,12 +394,12 @@ impl OwnedDevice {
         Ok(owned)
     }
 
-    fn create_objects(&mut self, queue_family: u32, capabilities: &Capabilities) -> Result<()> {
+    fn create_objects(&mut self, queue_family: u32) -> Result<()> {
         let device = &self.device;
         let initial = self
             .cache_file
             .as_ref()
-            .map(|f| f.load(capabilities))
+            .map(PipelineCacheFile::load)
             .unwrap_or_default();
         let cache = vk::PipelineCacheCreateInfo::default().initial_data(&initial);
         let pool = vk::CommandPoolCreateInfo::default()
@@ -506,15 +509,11 @@ impl Drop for OwnedDevice {
             if let Err(e) = device.device_wait_idle() {
                 tracing::warn!("waiting for the device at the end: {e}");
             }
-            if let Some(context) = self.context.take() {
-                if Arc::strong_count(&context) > 1 {
-                    tracing::error!("the device was dropped while renderers still use it");
-                }
-            }
-            if let Some(file) = &self.cache_file {
-                if let Ok(data) = device.get_pipeline_cache_data(self.cache) {
-                    file.store(&data);
-                }
+            drop(self.context.take());
+            if let Some(file) = &self.cache_file
+                && let Ok(data) = device.get_pipeline_cache_data(self.cache)
+            {
+                file.store(&data);
             }
             device.destroy_pipeline_cache(self.cache, None);
             device.destroy_fence(self.fence, None);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::context::Context;
+use super::frame_slot::{FrameSlot, Uniforms};
 use super::retire::Retired;
 use crate::error::Result;
 use crate::shader::{DescriptorKind, PassInterface};
@@ -21,12 +22,8 @@ pub(crate) struct Pipeline {
 /// What is bound to one binding of a pass.
 #[derive(Clone, Copy)]
 pub(crate) enum Bound<'a> {
-    /// A uniform buffer, from `offset` for `bytes`.
-    Uniform {
-        buffer: &'a super::Buffer,
-        offset: u64,
-        bytes: u64,
-    },
+    /// A part of the frame's uniform buffer.
+    Uniform(Uniforms),
     /// A storage buffer.
     Storage(&'a super::Buffer),
     /// An image with a sampler. `general`: it stays in `GENERAL`.
@@ -167,19 +164,19 @@ impl Drop for Pipeline {
 /// A descriptor set that binds `bound` (binding number, what) to a pipeline's interface.
 ///
 /// # Safety
-/// Views given by the host are valid until the frame completes; `pool` is not used elsewhere.
+/// Views given by the host are valid until the frame completes; `slot` is that of the frame.
 pub(super) unsafe fn descriptor_set(
     context: &Context,
-    pool: vk::DescriptorPool,
+    slot: &FrameSlot,
     pipeline: &Pipeline,
     bound: &[(u32, Bound<'_>)],
 ) -> Result<vk::DescriptorSet> {
     let device = &context.device;
     let layouts = [pipeline.set_layout];
     let info = vk::DescriptorSetAllocateInfo::default()
-        .descriptor_pool(pool)
+        .descriptor_pool(slot.descriptors)
         .set_layouts(&layouts);
-    // SAFETY: pool and layout are alive; the pool is ours alone.
+    // SAFETY: pool and layout are alive; the pool is the frame's alone.
     let set = unsafe { device.allocate_descriptor_sets(&info) }
         .map_err(|e| {
             context.vulkan_error(
@@ -203,13 +200,9 @@ pub(super) unsafe fn descriptor_set(
             .dst_binding(binding.binding)
             .descriptor_type(descriptor_type(binding.kind));
         let write = match *what {
-            Bound::Uniform {
-                buffer,
-                offset,
-                bytes,
-            } => {
+            Bound::Uniform(Uniforms { offset, bytes }) => {
                 buffers[0] = vk::DescriptorBufferInfo {
-                    buffer: buffer.handle(),
+                    buffer: slot.uniform_buffer().handle(),
                     offset,
                     range: bytes,
                 };

@@ -10,63 +10,48 @@ use super::capabilities::Capabilities;
 
 const MAGIC: &[u8; 8] = b"UVXPC\0\0\x01";
 
-/// Where the cache lies.
-#[derive(Clone, Debug)]
+/// The file of one device.
 pub(crate) struct PipelineCacheFile {
-    folder: PathBuf,
-    /// Set by `load`: the file of the device at hand.
-    path: std::sync::Arc<std::sync::Mutex<Option<(PathBuf, Vec<u8>)>>>,
+    path: PathBuf,
+    /// Vendor, device and cache UUID.
+    identity: Vec<u8>,
 }
 
 impl PipelineCacheFile {
     /// In the user's cache folder; `None` where there is none.
-    pub(crate) fn in_user_cache() -> Option<Self> {
+    pub(crate) fn of_device(capabilities: &Capabilities) -> Option<Self> {
         let folder = std::env::var_os("XDG_CACHE_HOME")
             .map(PathBuf::from)
             .filter(|p| p.is_absolute())
             .or_else(|| Some(PathBuf::from(std::env::var_os("HOME")?).join(".cache")))?;
-        Some(Self {
-            folder: folder.join("umbravox"),
-            path: Default::default(),
-        })
-    }
-
-    fn identity(capabilities: &Capabilities) -> Vec<u8> {
-        let [vendor, device] = capabilities.ids;
-        [
-            &vendor.to_le_bytes()[..],
-            &device.to_le_bytes(),
-            &capabilities.cache_uuid,
-        ]
-        .concat()
+        let [vendor, device] = capabilities.ids.map(u32::to_le_bytes);
+        let identity = [&vendor[..], &device, &capabilities.cache_uuid].concat();
+        let name: String = identity.iter().map(|b| format!("{b:02x}")).collect();
+        let path = folder
+            .join("umbravox")
+            .join(format!("pipelines-{name}.bin"));
+        Some(Self { path, identity })
     }
 
     /// The driver's data for this device; empty when there is none, or none that can be trusted.
-    pub(crate) fn load(&self, capabilities: &Capabilities) -> Vec<u8> {
-        let identity = Self::identity(capabilities);
-        let name: String = identity.iter().map(|b| format!("{b:02x}")).collect();
-        let path = self.folder.join(format!("pipelines-{name}.bin"));
-        let data = std::fs::read(&path)
+    pub(crate) fn load(&self) -> Vec<u8> {
+        std::fs::read(&self.path)
             .ok()
-            .and_then(|file| unwrap(&file, &identity));
-        if let Ok(mut known) = self.path.lock() {
-            *known = Some((path, identity));
-        }
-        data.unwrap_or_default()
+            .and_then(|file| unwrap(&file, &self.identity))
+            .unwrap_or_default()
     }
 
     /// Writes the driver's data, whole or not at all.
     pub(crate) fn store(&self, data: &[u8]) {
-        let Ok(known) = self.path.lock() else { return };
-        let Some((path, identity)) = known.as_ref() else {
-            return;
-        };
-        let wrapped = wrap(data, identity);
-        if std::fs::read(path).is_ok_and(|there| there == wrapped) {
+        let wrapped = wrap(data, &self.identity);
+        if std::fs::read(&self.path).is_ok_and(|there| there == wrapped) {
             return;
         }
-        if let Err(e) = write_whole(path, &wrapped) {
-            tracing::debug!("the pipeline cache {} was not written: {e}", path.display());
+        if let Err(e) = write_whole(&self.path, &wrapped) {
+            tracing::debug!(
+                "the pipeline cache {} was not written: {e}",
+                self.path.display()
+            );
         }
     }
 }

@@ -83,11 +83,6 @@ impl<'a> Recorder<'a> {
         self.slot
     }
 
-    /// Where the frame's uniforms lie.
-    pub(crate) fn uniform_buffer(&self) -> Arc<Buffer> {
-        self.slot.uniform_buffer()
-    }
-
     /// Runs `body` as a named, labelled, timed pass.
     pub(crate) fn pass<T>(
         &mut self,
@@ -279,7 +274,7 @@ impl<'a> Recorder<'a> {
     /// Binds a pipeline with its resources. Barriers for them were asked for before.
     pub(crate) fn bind(&mut self, pipeline: &Pipeline, bound: &[(u32, Bound<'_>)]) -> Result<()> {
         // SAFETY: the slot's pool belongs to this frame; host views are valid by the contract of `embed`.
-        let set = unsafe { descriptor_set(self.context, self.slot.descriptors, pipeline, bound) }?;
+        let set = unsafe { descriptor_set(self.context, self.slot, pipeline, bound) }?;
         let device = &self.context.device;
         // SAFETY: recording; pipeline and set are alive until the frame completes and match each other.
         unsafe {

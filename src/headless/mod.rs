@@ -10,9 +10,7 @@ use ash::vk;
 use crate::embed::record_owned;
 use crate::error::{Error, Result};
 use crate::gpu::memory::MemoryLocation;
-use crate::gpu::{
-    Buffer, CopyBox, HostMemory, Image, ImageInfo, OwnedDevice, OwnedDeviceInfo, PipelineCacheFile,
-};
+use crate::gpu::{Buffer, CopyBox, HostMemory, Image, ImageInfo, OwnedDevice, OwnedDeviceInfo};
 use crate::picture::Picture;
 use crate::renderer::{Frame, FrameReport, FrameTarget, RayBasis, Renderer, Settings, Work};
 use crate::scene::{Scene, View};
@@ -93,10 +91,7 @@ impl Headless {
         let device = OwnedDevice::open(&OwnedDeviceInfo {
             device: options.device.clone(),
             validation: options.validation,
-            pipeline_cache: options
-                .pipeline_cache
-                .then(PipelineCacheFile::in_user_cache)
-                .flatten(),
+            pipeline_cache: options.pipeline_cache,
             memory: Some(match options.memory {
                 MemoryChoice::GpuAllocator => HostMemory::GpuAllocator,
                 #[cfg(feature = "vk-mem")]

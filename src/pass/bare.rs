@@ -14,7 +14,7 @@ use ash::vk;
 use super::{Variants, tile_groups, tiles};
 use crate::atlas::Images;
 use crate::error::Result;
-use crate::gpu::{Access, Bound, Buffer, Context, Recorder};
+use crate::gpu::{Access, Bound, Context, Recorder, Uniforms};
 use crate::shader::generated::*;
 use crate::shader::interface;
 use crate::shader::structs::BarePush;
@@ -24,9 +24,8 @@ pub(crate) struct BareResources<'a> {
     pub(crate) images: &'a Images,
     /// Voxels of the volume on x, y, z.
     pub(crate) size: [u32; 3],
-    pub(crate) uniforms: &'a Buffer,
-    pub(crate) volume: (u64, u64),
-    pub(crate) frame: (u64, u64),
+    pub(crate) volume: Uniforms,
+    pub(crate) frame: Uniforms,
     /// The target, in `GENERAL`.
     pub(crate) target: vk::ImageView,
 }
@@ -55,7 +54,6 @@ impl BarePass {
         let BareResources {
             images,
             size,
-            uniforms,
             volume,
             frame,
             target,
@@ -68,22 +66,8 @@ impl BarePass {
             general: false,
         };
         let bound = [
-            (
-                BINDING_VOLUME,
-                Bound::Uniform {
-                    buffer: uniforms,
-                    offset: volume.0,
-                    bytes: volume.1,
-                },
-            ),
-            (
-                BINDING_FRAME,
-                Bound::Uniform {
-                    buffer: uniforms,
-                    offset: frame.0,
-                    bytes: frame.1,
-                },
-            ),
+            (BINDING_VOLUME, Bound::Uniform(volume)),
+            (BINDING_FRAME, Bound::Uniform(frame)),
             (BINDING_TRANSFER, sampled(&images.transfer, &images.nearest)),
             (BINDING_TARGET, Bound::StorageView(target)),
             (

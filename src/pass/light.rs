@@ -12,7 +12,7 @@ use std::sync::Arc;
 use super::{Reconstruction, Variants};
 use crate::atlas::{Images, LightLists, LightWork};
 use crate::error::Result;
-use crate::gpu::{Access, Bound, Buffer, Context, Recorder};
+use crate::gpu::{Access, Bound, Context, Recorder, Uniforms};
 use crate::shader::generated::*;
 use crate::shader::interface;
 use crate::shader::structs::{LightPush, SeamPush};
@@ -25,9 +25,8 @@ pub(crate) struct LightResources<'a> {
     pub(crate) images: &'a Images,
     pub(crate) lists: &'a LightLists,
     pub(crate) work: &'a LightWork,
-    pub(crate) uniforms: &'a Buffer,
-    /// Offset and size of the volume's parameters in `uniforms`.
-    pub(crate) volume: (u64, u64),
+    /// The volume's parameters.
+    pub(crate) volume: Uniforms,
 }
 
 /// The pass.
@@ -58,7 +57,6 @@ impl LightPass {
             images,
             lists,
             work,
-            uniforms,
             volume,
         } = *resources;
         for image in [&images.atlas, &images.index, &images.skip, &images.transfer] {
@@ -71,14 +69,7 @@ impl LightPass {
             general: false,
         };
         let bound = [
-            (
-                BINDING_VOLUME,
-                Bound::Uniform {
-                    buffer: uniforms,
-                    offset: volume.0,
-                    bytes: volume.1,
-                },
-            ),
+            (BINDING_VOLUME, Bound::Uniform(volume)),
             (
                 BINDING_ATLAS,
                 sampled(&images.atlas, images.atlas_sampler()),
@@ -119,18 +110,10 @@ impl LightPass {
             images,
             lists,
             work,
-            uniforms,
             volume,
         } = *resources;
         let bound = [
-            (
-                BINDING_VOLUME,
-                Bound::Uniform {
-                    buffer: uniforms,
-                    offset: volume.0,
-                    bytes: volume.1,
-                },
-            ),
+            (BINDING_VOLUME, Bound::Uniform(volume)),
             (
                 BINDING_INDEX,
                 Bound::Sampled {

@@ -14,7 +14,7 @@ use ash::vk;
 use super::{Reconstruction, Variants, tile_groups, tiles};
 use crate::atlas::Images;
 use crate::error::Result;
-use crate::gpu::{Access, Bound, Buffer, Context, Image, ImageInfo, Recorder, Sampler};
+use crate::gpu::{Access, Bound, Context, Image, ImageInfo, Recorder, Sampler, Uniforms};
 use crate::shader::generated::*;
 use crate::shader::structs::MarchPush;
 use crate::shader::{PassInterface, interface};
@@ -64,12 +64,11 @@ impl MarchVariant {
     }
 }
 
-/// What the march of one frame works on. Uniform offsets and sizes are those of the frame's uniform buffer.
+/// What the march of one frame works on.
 pub(crate) struct MarchResources<'a> {
     pub(crate) images: &'a Images,
-    pub(crate) uniforms: &'a Buffer,
-    pub(crate) volume: (u64, u64),
-    pub(crate) frame: (u64, u64),
+    pub(crate) volume: Uniforms,
+    pub(crate) frame: Uniforms,
     /// The target, in `GENERAL`.
     pub(crate) target: vk::ImageView,
     /// The host's depth, in the layout given.
@@ -140,7 +139,6 @@ impl MarchPass {
         let pipeline = variants.get(context, variant.interface(), variant.constants())?;
         let MarchResources {
             images,
-            uniforms,
             volume,
             frame,
             target,
@@ -160,22 +158,8 @@ impl MarchPass {
             general: false,
         };
         let bound = [
-            (
-                BINDING_VOLUME,
-                Bound::Uniform {
-                    buffer: uniforms,
-                    offset: volume.0,
-                    bytes: volume.1,
-                },
-            ),
-            (
-                BINDING_FRAME,
-                Bound::Uniform {
-                    buffer: uniforms,
-                    offset: frame.0,
-                    bytes: frame.1,
-                },
-            ),
+            (BINDING_VOLUME, Bound::Uniform(volume)),
+            (BINDING_FRAME, Bound::Uniform(frame)),
             (
                 BINDING_ATLAS,
                 sampled(&images.atlas, images.atlas_sampler()),

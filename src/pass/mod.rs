@@ -11,9 +11,13 @@ use crate::error::Result;
 use crate::gpu::{Context, Pipeline};
 use crate::shader::PassInterface;
 
+/// Specialization constants: id and value.
+type Constants = Vec<(u32, u32)>;
+
 /// Pipelines of one pass by specialization, compiled when first used.
 pub(crate) struct Variants {
-    pipelines: BTreeMap<(&'static str, Vec<(u32, u32)>), Pipeline>,
+    /// By module and (id, value) pairs.
+    pipelines: BTreeMap<(&'static str, Constants), Pipeline>,
 }
 
 impl Variants {
@@ -28,7 +32,7 @@ impl Variants {
         &mut self,
         context: &Arc<Context>,
         interface: &'static PassInterface,
-        constants: Vec<(u32, u32)>,
+        constants: Constants,
     ) -> Result<&Pipeline> {
         use std::collections::btree_map::Entry;
         match self.pipelines.entry((interface.module.name, constants)) {
@@ -54,7 +58,7 @@ pub(crate) struct Reconstruction {
 
 impl Reconstruction {
     /// Specialization constants, the same ids in every pass.
-    pub(crate) fn constants(self) -> Vec<(u32, u32)> {
+    pub(crate) fn constants(self) -> Constants {
         use crate::shader::generated::{
             SPEC_EMISSION, SPEC_INTER_BLOCK, SPEC_RECONSTRUCTION, SPEC_SKIPPING,
         };

@@ -47,10 +47,6 @@ impl LightProgress {
         self.traced
     }
 
-    pub(super) fn restart(&mut self) {
-        self.traced = 0;
-    }
-
     /// The next direction, `None` when all were traced.
     pub(super) fn next(&mut self) -> Option<LightPush> {
         let (direction, weight) = self.directions.get(self.traced as usize)?;

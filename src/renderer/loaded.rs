@@ -12,7 +12,7 @@ use crate::atlas::{
     UploadResources, Uploads, Visibility,
 };
 use crate::error::{Error, Result};
-use crate::gpu::{Context, Recorder};
+use crate::gpu::{Context, Recorder, Uniforms};
 use crate::pass::Reconstruction;
 use crate::pass::bare::{BarePass, BareResources};
 use crate::pass::light::{LightPass, LightResources};
@@ -91,10 +91,6 @@ impl Loaded {
 
     pub(crate) fn images(&self) -> &Images {
         &self.images
-    }
-
-    pub(crate) fn table(&self) -> &TransferTable {
-        &self.table
     }
 
     pub(super) fn set_settings(
@@ -244,7 +240,7 @@ impl Loaded {
         &mut self,
         context: &Arc<Context>,
         recorder: &mut Recorder<'_>,
-        volume: (u64, u64),
+        volume: Uniforms,
     ) -> Result<()> {
         // Light follows the linear field, whatever the march does; emission only where it is asked for.
         let emission = self
@@ -272,12 +268,10 @@ impl Loaded {
         } = self;
         let work = &visibility.light;
         recorder.pass(pass_name::LIGHT, |recorder| {
-            let uniforms = recorder.uniform_buffer();
             let resources = LightResources {
                 images,
                 lists,
                 work,
-                uniforms: &uniforms,
                 volume,
             };
             light_pass.trace(context, recorder, reconstruction, &resources, push)
@@ -286,12 +280,10 @@ impl Loaded {
             return Ok(());
         }
         recorder.pass(pass_name::LIGHT_SEAM, |recorder| {
-            let uniforms = recorder.uniform_buffer();
             let resources = LightResources {
                 images,
                 lists,
                 work,
-                uniforms: &uniforms,
                 volume,
             };
             light_pass.seam(context, recorder, &resources)
@@ -302,7 +294,7 @@ impl Loaded {
         &mut self,
         context: &Arc<Context>,
         recorder: &mut Recorder<'_>,
-        volume: (u64, u64),
+        volume: Uniforms,
         frame: &Frame<'_>,
     ) -> Result<()> {
         let target = frame.target;
@@ -333,10 +325,8 @@ impl Loaded {
             images, march_pass, ..
         } = self;
         recorder.pass(pass_name::MARCH, |recorder| {
-            let uniforms = recorder.uniform_buffer();
             let resources = MarchResources {
                 images,
-                uniforms: &uniforms,
                 volume,
                 frame: frame_uniforms,
                 target: target.view,
@@ -351,7 +341,7 @@ impl Loaded {
         &mut self,
         context: &Arc<Context>,
         recorder: &mut Recorder<'_>,
-        volume: (u64, u64),
+        volume: Uniforms,
         frame: &Frame<'_>,
     ) -> Result<()> {
         let params = self.frame_params(frame);
@@ -364,11 +354,9 @@ impl Loaded {
             ..
         } = self;
         recorder.pass(pass_name::BARE, |recorder| {
-            let uniforms = recorder.uniform_buffer();
             let resources = BareResources {
                 images,
                 size: store.volume.size(),
-                uniforms: &uniforms,
                 volume,
                 frame: frame_uniforms,
                 target: frame.target.view,

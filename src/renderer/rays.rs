@@ -144,6 +144,10 @@ pub(crate) fn ix_from_clip(
 
 #[cfg(test)]
 mod tests {
+    use glam::dcamera::rh::proj::vulkan::{
+        orthographic, perspective, perspective_infinite_reverse,
+    };
+    use glam::dcamera::rh::view::look_to_mat4;
     use glam::{DMat4, DVec3};
 
     use super::{DepthRange, RayBasis};
@@ -161,15 +165,6 @@ mod tests {
             forward,
             projection,
         }
-    }
-
-    /// Vulkan's clip space has y down; glam's `_rh` projections have it up.
-    fn matrices(view: &View, projection: DMat4) -> (DMat4, DMat4) {
-        let flip = DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0));
-        (
-            DMat4::look_to_rh(view.eye, view.forward, view.up),
-            flip * projection,
-        )
     }
 
     fn same(a: RayBasis, b: RayBasis) {
@@ -190,26 +185,24 @@ mod tests {
     #[test]
     fn matrices_give_the_rays_of_the_view() {
         let aspect = 64.0 / 48.0;
-        let perspective = view(Projection::Perspective { fov_y: 0.7 });
-        let rays = RayBasis::from_view(&perspective, SIZE);
+        let apex = view(Projection::Perspective { fov_y: 0.7 });
+        let rays = RayBasis::from_view(&apex, SIZE);
         for (projection, depth) in [
+            (perspective(0.7, aspect, 1.0, 500.0), DepthRange::Normal),
             (
-                DMat4::perspective_rh(0.7, aspect, 1.0, 500.0),
-                DepthRange::Normal,
-            ),
-            (
-                DMat4::perspective_infinite_reverse_rh(0.7, aspect, 1.0),
+                perspective_infinite_reverse(0.7, aspect, 1.0),
                 DepthRange::Reversed,
             ),
         ] {
-            let (v, p) = matrices(&perspective, projection);
-            same(rays, RayBasis::from_matrices(v, p, depth, SIZE).unwrap());
+            let v = look_to_mat4(apex.eye, apex.forward, apex.up);
+            same(
+                rays,
+                RayBasis::from_matrices(v, projection, depth, SIZE).unwrap(),
+            );
         }
         let parallel = view(Projection::Orthographic { height: 30.0 });
-        let (v, p) = matrices(
-            &parallel,
-            DMat4::orthographic_rh(-20.0, 20.0, -15.0, 15.0, 0.0, 100.0),
-        );
+        let v = look_to_mat4(parallel.eye, parallel.forward, parallel.up);
+        let p = orthographic(-20.0, 20.0, -15.0, 15.0, 0.0, 100.0);
         same(
             RayBasis::from_view(&parallel, SIZE),
             RayBasis::from_matrices(v, p, DepthRange::Normal, SIZE).unwrap(),

@@ -11,7 +11,6 @@ mod layout;
 pub mod structs;
 
 pub use interface::{Access, Binding, DescriptorKind, PASSES, PassInterface};
-pub(crate) use layout::gpu_struct;
 pub use layout::{FieldLayout, GpuStruct, StructLayout};
 
 /// A compiled compute shader with the entry point `main`.

@@ -67,7 +67,7 @@ void shade_sample(inout Accumulated acc, Ray ray, Brick brick, vec3 p_ix, Segmen
     Classified c = classify(reconstruct_local(brick, local));
     float alpha = opacity_over(c.color_opacity.a, segment.extent * frame.unit_exponent);
     vec3 color = c.color_opacity.rgb;
-    if ((LIGHT || DIFFUSE) && alpha > 0.0) {
+    if (alpha > 0.0) {
         if (LIGHT) {
             color *= light_at(brick, local) + frame.light_bias;
         }

@@ -197,10 +197,12 @@ fn exr_holds_linear_radiance_and_layers() {
     assert_eq!(values("opacity.Y"), opacity);
     assert_eq!(values("depth.Z"), picture.depth);
     assert_eq!(values("samples.Y"), [0.0, 10.0, 20.0, 30.0, 40.0, 50.0]);
-    let source = layer.attributes.other.get(&Text::from("Source"));
+    let source = layer.attributes.other.get(&Text::from("umbravox"));
     assert_eq!(
         source,
-        Some(&attribute::AttributeValue::Text("head.nrrd".into()))
+        Some(&attribute::AttributeValue::Text(
+            r#"{"Source":"head.nrrd"}"#.into()
+        ))
     );
     assert_eq!(self::names(folder.path()), ["a.EXR"]);
 }

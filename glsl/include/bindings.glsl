@@ -15,9 +15,8 @@
 #define BINDING_LIGHT_STORE 12
 #define BINDING_VOXELS 13
 
-// Reconstruction: see reconstruct.glsl.
-#define SPEC_RECONSTRUCTION 0
-#define SPEC_INTER_BLOCK 1
+#define SPEC_NEAREST 0
+#define SPEC_BLOCKS_APART 1
 #define SPEC_SKIPPING 2
 #define SPEC_EMISSION 3
 #define SPEC_LIGHT 4
@@ -26,3 +25,4 @@
 #define SPEC_AUX 7
 #define SPEC_SCENE_DEPTH 8
 #define SPEC_ENCODE_SRGB 9
+#define SPEC_MANUAL_FILTER 10

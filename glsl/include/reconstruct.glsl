@@ -1,12 +1,9 @@
 // The field between samples. Includes volume.glsl first.
 
-layout(constant_id = SPEC_RECONSTRUCTION) const uint RECONSTRUCTION = 0u;
-layout(constant_id = SPEC_INTER_BLOCK) const bool INTER_BLOCK = true;
-
-const uint RECONSTRUCT_LINEAR = 0u;         // the texture unit's trilinear filter
-const uint RECONSTRUCT_LINEAR_MANUAL = 1u;  // eight fetches: formats that cannot be filtered
-const uint RECONSTRUCT_NEAREST = 2u;        // gradients by the texture unit
-const uint RECONSTRUCT_NEAREST_MANUAL = 3u; // gradients by eight fetches
+layout(constant_id = SPEC_NEAREST) const bool NEAREST = false;
+layout(constant_id = SPEC_BLOCKS_APART) const bool BLOCKS_APART = false;
+// Formats that the texture unit cannot filter are filtered here.
+layout(constant_id = SPEC_MANUAL_FILTER) const bool MANUAL_FILTER = false;
 
 layout(set = 0, binding = BINDING_ATLAS) uniform sampler3D t_atlas;
 
@@ -15,8 +12,8 @@ layout(set = 0, binding = BINDING_ATLAS) uniform sampler3D t_atlas;
 vec3 brick_local(Brick b, vec3 p_ix) {
     precise vec3 local = (p_ix - b.base_ix) * b.scale;
     local = clamp(local, vec3(0.0), b.intervals);
-    if (!INTER_BLOCK) {
-        // Each block by itself: the apron, which belongs to the next block, is not used. The last block of an axis has
+    if (BLOCKS_APART) {
+        // No interpolation between blocks: the apron, which belongs to the next block, is not used. The last block of an axis has
         // no next one and keeps its last sample.
         bvec3 last = lessThanEqual(volume.field_ix, b.base_ix + float(BLOCK_CELLS));
         local = min(local, mix(b.intervals - 1.0, b.intervals, vec3(last)));
@@ -42,7 +39,7 @@ float atlas_linear_manual(vec3 at) {
 
 // Trilinear, whatever the march does: gradients and light follow the continuous field.
 float reconstruct_linear(Brick b, vec3 local) {
-    if (RECONSTRUCTION == RECONSTRUCT_LINEAR_MANUAL || RECONSTRUCTION == RECONSTRUCT_NEAREST_MANUAL) {
+    if (MANUAL_FILTER) {
         return atlas_linear_manual(b.origin_at + local);
     }
     precise vec3 uvw = (b.origin_at + local + 0.5) * volume.atlas_texel;
@@ -51,7 +48,7 @@ float reconstruct_linear(Brick b, vec3 local) {
 
 // Texture sample at a position inside a brick (`local` from brick_local).
 float reconstruct_local(Brick b, vec3 local) {
-    if (RECONSTRUCTION == RECONSTRUCT_NEAREST || RECONSTRUCTION == RECONSTRUCT_NEAREST_MANUAL) {
+    if (NEAREST) {
         return atlas_texel(ivec3(b.origin_at + floor(local + 0.5)));
     }
     return reconstruct_linear(b, local);

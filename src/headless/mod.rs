@@ -18,7 +18,9 @@ use crate::volume::Volume;
 
 pub use crate::gpu::DeviceInfo;
 pub use light_volume::LightVolume;
-pub use stats::{BlockStats, DeviceStats, LightStats, MemoryStats, PassStats, SampleStats, Stats};
+pub use stats::{
+    BlockStats, DeviceStats, ImageStats, LightStats, MemoryStats, PassStats, SampleStats, Stats,
+};
 
 /// Bytes of bricks uploaded by one submission.
 const UPLOAD_BYTES: usize = 64 << 20;

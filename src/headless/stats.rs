@@ -10,8 +10,8 @@ use crate::renderer::{Loaded, Work, pass_name};
 pub struct Stats {
     /// The device that rendered.
     pub device: DeviceStats,
-    /// Width and height, pixels.
-    pub image: [u32; 2],
+    /// The picture.
+    pub image: ImageStats,
     /// The last picture, from the start of recording to completion on the device, ms.
     pub frame_ms: f64,
     /// GPU times of the passes of the last picture and of the last direction of light; empty without timestamps.
@@ -26,6 +26,13 @@ pub struct Stats {
     pub data_reduction: f64,
     /// Memory.
     pub memory: MemoryStats,
+}
+
+/// The picture.
+#[derive(Clone, Debug, Serialize)]
+pub struct ImageStats {
+    /// Width and height, pixels.
+    pub size: [u32; 2],
 }
 
 /// The device that rendered.
@@ -139,7 +146,7 @@ pub(super) fn of(
             driver: device.driver.clone(),
             device_type: device.device_type.clone(),
         },
-        image,
+        image: ImageStats { size: image },
         frame_ms: times.frame_ms,
         passes: times
             .light

@@ -1,5 +1,6 @@
 //! OpenEXR: linear radiance and layers of data, one part, 32-bit float.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use exr::prelude::{
@@ -12,6 +13,9 @@ use crate::error::{Error, Result};
 use crate::picture::Picture;
 use crate::scene;
 
+/// Name of the attribute with the provenance, a JSON object.
+const ATTRIBUTE: &str = "umbravox";
+
 pub(super) fn write(
     path: &Path,
     picture: &Picture,
@@ -19,11 +23,12 @@ pub(super) fn write(
     provenance: Provenance,
 ) -> Result<()> {
     let mut attributes = LayerAttributes::default();
-    for (keyword, text) in provenance {
-        // Text that an EXR attribute cannot hold is left out: the picture is worth more than its label.
-        if let (Some(name), Some(text)) = (Text::new_or_none(keyword), Text::new_or_none(text)) {
-            attributes.other.insert(name, AttributeValue::Text(text));
-        }
+    // One attribute for all: the encoder writes several in random order, and equal pictures are to be equal files.
+    let entries: BTreeMap<_, _> = provenance.iter().map(|(k, v)| (*k, v.as_str())).collect();
+    let text = serde_json::to_string(&entries).unwrap_or_default();
+    // Text that an EXR attribute cannot hold is left out: the picture is worth more than its label.
+    if let (Some(name), Some(text)) = (Text::new_or_none(ATTRIBUTE), Text::new_or_none(&text)) {
+        attributes.other.insert(name, AttributeValue::Text(text));
     }
     let [width, height] = picture.size.map(|n| n as usize);
     let layer = Layer::new(

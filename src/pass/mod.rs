@@ -60,18 +60,12 @@ impl Reconstruction {
     /// Specialization constants, the same ids in every pass.
     pub(crate) fn constants(self) -> Constants {
         use crate::shader::generated::{
-            SPEC_EMISSION, SPEC_INTER_BLOCK, SPEC_RECONSTRUCTION, SPEC_SKIPPING,
-        };
-        // The values of RECONSTRUCT_* in glsl/include/reconstruct.glsl.
-        let kind = match (self.nearest, self.manual) {
-            (true, true) => 3,
-            (true, false) => 2,
-            (false, true) => 1,
-            (false, false) => 0,
+            SPEC_BLOCKS_APART, SPEC_EMISSION, SPEC_MANUAL_FILTER, SPEC_NEAREST, SPEC_SKIPPING,
         };
         vec![
-            (SPEC_RECONSTRUCTION, kind),
-            (SPEC_INTER_BLOCK, self.inter_block.into()),
+            (SPEC_NEAREST, self.nearest.into()),
+            (SPEC_MANUAL_FILTER, self.manual.into()),
+            (SPEC_BLOCKS_APART, (!self.inter_block).into()),
             (SPEC_SKIPPING, self.skipping.into()),
             (SPEC_EMISSION, self.emission.into()),
         ]

@@ -86,9 +86,9 @@ pub const BINDING_LIGHT_STORE: u32 = 12;
 
 pub const BINDING_VOXELS: u32 = 13;
 
-pub const SPEC_RECONSTRUCTION: u32 = 0;
+pub const SPEC_NEAREST: u32 = 0;
 
-pub const SPEC_INTER_BLOCK: u32 = 1;
+pub const SPEC_BLOCKS_APART: u32 = 1;
 
 pub const SPEC_SKIPPING: u32 = 2;
 
@@ -105,3 +105,5 @@ pub const SPEC_AUX: u32 = 7;
 pub const SPEC_SCENE_DEPTH: u32 = 8;
 
 pub const SPEC_ENCODE_SRGB: u32 = 9;
+
+pub const SPEC_MANUAL_FILTER: u32 = 10;

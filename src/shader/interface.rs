@@ -92,8 +92,8 @@ const fn march(module: &'static Module, bindings: &'static [Binding]) -> PassInt
         bindings,
         push_constants: Some(MarchPush::LAYOUT),
         spec_ids: &[
-            SPEC_RECONSTRUCTION,
-            SPEC_INTER_BLOCK,
+            SPEC_NEAREST,
+            SPEC_BLOCKS_APART,
             SPEC_SKIPPING,
             SPEC_EMISSION,
             SPEC_LIGHT,
@@ -102,6 +102,7 @@ const fn march(module: &'static Module, bindings: &'static [Binding]) -> PassInt
             SPEC_AUX,
             SPEC_SCENE_DEPTH,
             SPEC_ENCODE_SRGB,
+            SPEC_MANUAL_FILTER,
         ],
         local_size: [8, 8, 1],
     }
@@ -152,10 +153,11 @@ pub const LIGHT_TRACE: PassInterface = PassInterface {
     ],
     push_constants: Some(LightPush::LAYOUT),
     spec_ids: &[
-        SPEC_RECONSTRUCTION,
-        SPEC_INTER_BLOCK,
+        SPEC_NEAREST,
+        SPEC_BLOCKS_APART,
         SPEC_SKIPPING,
         SPEC_EMISSION,
+        SPEC_MANUAL_FILTER,
     ],
     local_size: [4, 4, 4],
 };

@@ -31,12 +31,12 @@ impl<'a> BrickBuilder<'a> {
     /// They take `(2^lambda + 1)^3` texels of host memory each, as in the atlas.
     ///
     /// # Errors
-    /// [`crate::Error::Invalid`] when `levels` do not fit `grid`, or `grid` does not fit the
+    /// [`crate::error::Error::Invalid`] when `levels` do not fit `grid`, or `grid` does not fit the
     /// volume.
     pub fn new(volume: &'a Volume, grid: &'a BlockGrid, levels: &'a Levels) -> Result<Self> {
         levels.check(grid)?;
         if grid.size() != volume.size() {
-            return Err(crate::Error::invalid(
+            return Err(crate::error::Error::invalid(
                 "blocks",
                 format!(
                     "blocks of {:?} voxels do not fit a volume of {:?}",

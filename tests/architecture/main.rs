@@ -11,6 +11,7 @@ use rust_code::code_of;
 const MODULES: &[(&str, &[&str])] = &[
     ("error", &[]),
     ("volume", &["error"]),
+    ("picture", &[]),
     ("scene", &["error", "volume"]),
     ("shader", &[]),
     ("io", &["error", "volume", "scene"]),
@@ -35,9 +36,10 @@ const MODULES: &[(&str, &[&str])] = &[
         "headless",
         &[
             "error", "volume", "scene", "shader", "gpu", "atlas", "pass", "renderer", "embed",
+            "picture",
         ],
     ),
-    ("output", &["error", "scene"]),
+    ("output", &["error", "picture", "scene"]),
 ];
 
 /// The only places with `unsafe` in the library.

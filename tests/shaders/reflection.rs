@@ -101,7 +101,15 @@ impl Reflection {
                 let Type::Struct(block) = ty else {
                     panic!("{}: push constants are no block", self.name);
                 };
-                self.push_constants = Some(self.layout(block));
+                // As in `add_block`, a block of one struct only wraps it.
+                let inner = match &block.members[..] {
+                    [member] => match &member.ty {
+                        Type::Struct(inner) => inner,
+                        _ => block,
+                    },
+                    _ => block,
+                };
+                self.push_constants = Some(self.layout(inner));
                 for member in &block.members {
                     self.add_structs(&member.ty);
                 }

@@ -27,7 +27,8 @@ void main() {
     vec3 step_uvw = ray.step_ix * push.extent_texel;
     vec4 sum = vec4(0.0);
     for (uint i = 0u; i < count; ++i) {
-        sum += classify(textureLod(t_voxels, uvw + float(i) * step_uvw, 0.0).r).color_opacity;
+        Classified c = classify(textureLod(t_voxels, uvw + float(i) * step_uvw, 0.0).r, 1.0);
+        sum += vec4(c.color, c.opacity);
     }
     imageStore(i_target, ivec2(px), sum);
 }

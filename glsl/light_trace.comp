@@ -26,79 +26,68 @@ float step_growth(int level) {
     return (16.0 + resolution) / (2.0 * resolution);
 }
 
-struct Sample {
-    float alpha;
-    vec3 emission;
+// What a ray has gathered.
+struct Gathered {
+    float transparency;
+    // Samples that found nothing are counted and added up when the transparency changes, so that leaping over them and
+    // visiting them give the same bits.
+    float pending;
+    float light;
+    vec3 emitted;
 };
 
-// A sample of the surroundings; outside the field nothing absorbs or emits. `run` tells how many samples from this one
-// on, this one included, surely find nothing.
-Sample sample_at(vec3 p_ix, vec3 step_ix, float exponent, out uint run) {
-    Sample s = Sample(0.0, vec3(0.0));
-    run = 1u;
-    if (any(lessThan(p_ix, vec3(0.0))) || any(greaterThan(p_ix, volume.field_ix))) {
-        return s;
+void gather(inout Gathered g, float opacity, vec3 emission) {
+    g.pending += 1.0;
+    if (EMISSION) {
+        precise vec3 emitted = g.emitted + g.transparency * emission;
+        g.emitted = emitted;
     }
-    if (SKIPPING) {
-        ivec3 cell = skip_cell_of(p_ix);
-        uint distance = texelFetch(t_skip, cell, 0).r;
-        if (distance > 0u) {
-            vec3 low_ix;
-            vec3 high_ix;
-            empty_box(cell, distance, low_ix, high_ix);
-            run = samples_before(steps_to_border(p_ix, step_ix, low_ix, high_ix));
-            return s;
-        }
+    if (opacity > 0.0) {
+        precise float light = g.light + g.transparency * g.pending;
+        precise float transparency = g.transparency * (1.0 - opacity);
+        g.light = light;
+        g.transparency = transparency;
+        g.pending = 0.0;
     }
-    Brick brick = brick_fetch(block_of(p_ix));
-    if (brick.resident) {
-        Classified c = classify(reconstruct_linear(brick, brick_local(brick, p_ix)));
-        s.alpha = opacity_over(c.color_opacity.a, exponent);
-        s.emission = c.emission;
-    }
-    return s;
 }
 
-// Light from one direction: rgb with emission, a without.
+// Light from one direction: rgb with emission, a without. Outside the field nothing absorbs or emits.
 vec4 light_along(vec3 p_ix, int level) {
     float extent_mm = push.radius_mm - push.offset_mm;
+    float finest_parts = max(ceil(extent_mm / push.step_mm - 1e-4), 1.0);
     uint parts = uint(max(ceil(extent_mm / (push.step_mm * step_growth(level)) - 1e-4), 1.0));
-    float part_mm = extent_mm / float(parts);
-    vec3 step_ix = push.direction_ix * part_mm;
+    vec3 step_ix = push.direction_ix * (extent_mm / float(parts));
     vec3 start_ix = p_ix + push.direction_ix * push.offset_mm;
-    float exponent = push.exponent_mm * part_mm;
+    float unit_exponent = push.exponent_mm * (extent_mm / finest_parts);
+    float share = finest_parts / float(parts);
 
-    // Samples that find nothing are counted and added up when the transparency changes, so that leaping over them and
-    // visiting them give the same bits.
-    float transparency = 1.0;
-    float pending = 0.0;
-    float occluded = 0.0;
-    vec3 emitted = vec3(0.0);
+    Gathered g = Gathered(1.0, 0.0, 0.0, vec3(0.0));
     uint m = 0u;
-    while (m < parts) {
+    while (m < parts && g.transparency >= DARK) {
         precise vec3 sample_ix = start_ix + (float(m) + 0.5) * step_ix;
-        uint run;
-        Sample s = sample_at(sample_ix, step_ix, exponent, run);
-        run = min(run, parts - m);
-        m += run;
-        pending += float(run);
-        if (EMISSION) {
-            precise vec3 more = emitted + transparency * s.emission;
-            emitted = more;
+        if (any(lessThan(sample_ix, vec3(0.0))) || any(greaterThan(sample_ix, volume.field_ix))) {
+            g.pending += 1.0;
+            ++m;
+            continue;
         }
-        if (s.alpha > 0.0) {
-            precise float more = occluded + transparency * pending;
-            precise float rest = transparency * (1.0 - s.alpha);
-            occluded = more;
-            transparency = rest;
-            pending = 0.0;
-            if (transparency < DARK) {
-                break;
-            }
+        ivec3 block_bx = block_of(sample_ix);
+        Region region = region_at(sample_ix, block_bx);
+        Brick brick = brick_fetch(block_bx);
+        if (region.empty || !brick.resident) {
+            uint run = samples_before(steps_to_border(sample_ix, step_ix, region.low_ix, region.high_ix));
+            run = min(run, parts - m);
+            g.pending += float(run);
+            m += run;
+            continue;
         }
+        Classified c = classify_light(reconstruct_linear(brick, brick_local(brick, sample_ix)), unit_exponent);
+        // Coarse bricks take longer samples than the table is made for.
+        float opacity = UNIFORM_GRID ? c.opacity : opacity_over(c.opacity, share);
+        gather(g, opacity, c.emission);
+        ++m;
     }
-    occluded += transparency * pending;
-    return vec4(vec3(occluded) + emitted, occluded) / float(parts);
+    float light = g.light + g.transparency * g.pending;
+    return vec4(vec3(light) + g.emitted, light) / float(parts);
 }
 
 void main() {

@@ -62,16 +62,18 @@ void composite(inout Accumulated acc, vec3 color, float alpha) {
     acc.opacity = opacity;
 }
 
-void shade_sample(inout Accumulated acc, Ray ray, Brick brick, vec3 p_ix, Segment segment) {
+// Takes the sample of one segment; `shorter`: it may be shorter than a whole step.
+void shade_sample(inout Accumulated acc, Ray ray, Brick brick, Segment segment, bool shorter) {
+    vec3 p_ix = ray_position(ray, segment.middle, volume.field_ix);
     vec3 local = brick_local(brick, p_ix);
-    Classified c = classify(reconstruct_local(brick, local));
-    float alpha = opacity_over(c.color_opacity.a, segment.extent * frame.unit_exponent);
-    vec3 color = c.color_opacity.rgb;
-    if (alpha > 0.0) {
-        if (LIGHT) {
-            color *= light_at(brick, local) + frame.light_bias;
-        }
-        if (DIFFUSE) {
+    Classified c = classify(reconstruct_local(brick, local), frame.unit_exponent);
+    float alpha = shorter ? opacity_over(c.opacity, segment.extent) : c.opacity;
+    vec3 color = c.color;
+    if (LIGHT) {
+        color *= light_at(brick, local) + frame.light_bias;
+    }
+    if (DIFFUSE) {
+        if (alpha > 0.0) {
             vec3 light = frame.light_direction_ws.w > 0.0 ? frame.light_direction_ws.xyz : -ray.direction_ws;
             color *= lambert(gradient_ws(brick, p_ix), light, frame.ambient, frame.diffuse);
         }
@@ -86,34 +88,35 @@ void shade_sample(inout Accumulated acc, Ray ray, Brick brick, vec3 p_ix, Segmen
 Accumulated march(Ray ray, float shift) {
     Accumulated acc = Accumulated(vec3(0.0), 0.0, uintBitsToFloat(0x7f800000u), 0u);
     uint count = segment_count(ray, shift);
+    // The last segment is shorter and comes by itself after the loop, so that the loop needs no power function. Jittered
+    // rays have a shorter first one too and take the exact path throughout.
+    uint whole = count - min(count, 1u);
     uint i = 0u;
-    while (i < count && acc.opacity < frame.early_termination) {
-        vec3 p_ix = ray_position(ray, segment_of(i, count, ray.extent, shift).middle, volume.field_ix);
-        ivec3 block_bx = block_of(p_ix);
-        vec3 low_ix = vec3(block_bx * BLOCK_CELLS);
-        vec3 high_ix = low_ix + float(BLOCK_CELLS);
-        bool empty = false;
-        if (SKIPPING) {
-            ivec3 cell = skip_cell_of(p_ix);
-            uint distance = texelFetch(t_skip, cell, 0).r;
-            empty = distance > 0u;
-            if (empty) {
-                empty_box(cell, distance, low_ix, high_ix);
-            } else {
-                low_ix = vec3(cell * SKIP_CELLS);
-                high_ix = low_ix + float(SKIP_CELLS);
-            }
-        }
-        uint run = samples_before(steps_to_border(p_ix, ray.step_ix, low_ix, high_ix));
-        uint run_end = min(i + run, count);
+    while (i < whole && acc.opacity < frame.early_termination) {
+        // Leaps first, in a loop of their own: its body is all that empty space costs.
+        ivec3 block_bx;
+        bool empty;
+        uint run_end;
+        do {
+            vec3 p_ix = ray_position(ray, segment_of(i, count, ray.extent, shift).middle, volume.field_ix);
+            block_bx = block_of(p_ix);
+            Region region = region_at(p_ix, block_bx);
+            run_end = i + samples_before(steps_to_border(p_ix, ray.step_ix, region.low_ix, region.high_ix));
+            run_end = min(run_end, whole);
+            empty = region.empty;
+            i = empty ? run_end : i;
+        } while (empty && i < whole);
         Brick brick = brick_fetch(block_bx);
-        if (empty || !brick.resident) {
-            i = run_end;
-            continue;
-        }
+        i = brick.resident ? i : run_end;
         for (; i < run_end && acc.opacity < frame.early_termination; ++i) {
-            Segment segment = segment_of(i, count, ray.extent, shift);
-            shade_sample(acc, ray, brick, ray_position(ray, segment.middle, volume.field_ix), segment);
+            shade_sample(acc, ray, brick, segment_of(i, count, ray.extent, shift), JITTER);
+        }
+    }
+    if (count > 0u && acc.opacity < frame.early_termination) {
+        Segment last = segment_of(count - 1u, count, ray.extent, shift);
+        Brick brick = brick_fetch(block_of(ray_position(ray, last.middle, volume.field_ix)));
+        if (brick.resident) {
+            shade_sample(acc, ray, brick, last, true);
         }
     }
     return acc;

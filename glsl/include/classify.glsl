@@ -1,5 +1,5 @@
 // The transfer function as a table of bins. Row 0 holds each bin's start (colour, opacity), row 1 its end, so that
-// jumps at control points stay jumps; rows 2 and 3 hold emission in the same way.
+// jumps at control points stay jumps; rows 2 and 3 hold emission and the light pass's opacity in the same way.
 // Fetched, not filtered: a filter unit has 8 bits between entries.
 
 layout(constant_id = SPEC_EMISSION) const bool EMISSION = false;
@@ -7,26 +7,13 @@ layout(constant_id = SPEC_EMISSION) const bool EMISSION = false;
 layout(set = 0, binding = BINDING_TRANSFER) uniform sampler2D t_transfer;
 
 struct Classified {
-    vec4 color_opacity;  // linear colour, not premultiplied; opacity over the unit distance
+    vec3 color;     // linear, not premultiplied
     vec3 emission;
+    float opacity;  // over a whole sample
 };
 
-Classified classify(float value) {
-    float x = clamp((value - volume.first_sample) * volume.bin_from_sample + 1.0, 0.0, volume.bins);
-    float bin = min(floor(x), volume.last_bin);
-    float f = x - bin;
-    int column = int(bin);
-    Classified c;
-    c.color_opacity = mix(texelFetch(t_transfer, ivec2(column, 0), 0), texelFetch(t_transfer, ivec2(column, 1), 0), f);
-    c.emission = vec3(0.0);
-    if (EMISSION) {
-        c.emission = mix(texelFetch(t_transfer, ivec2(column, 2), 0), texelFetch(t_transfer, ivec2(column, 3), 0), f).rgb;
-    }
-    return c;
-}
-
-// Opacity over `exponent` unit distances, 1 - (1 - a)^exponent, accurate for small opacities too: in 32 bits 1 - a keeps
-// only a few digits of an `a` of 1e-5, and a thousand such samples add their error up.
+// Opacity over `exponent` times the length it is given for, 1 - (1 - a)^exponent, accurate for small opacities too: in
+// 32 bits 1 - a keeps only a few digits of an `a` of 1e-5, and a thousand such samples add their error up.
 float opacity_over(float opacity, float exponent) {
     float extinction = opacity < 0.03
         ? opacity * (1.0 + opacity * (0.5 + opacity * (0.333333333 + opacity * (0.25 + opacity * 0.2))))
@@ -35,4 +22,57 @@ float opacity_over(float opacity, float exponent) {
     return depth < 0.03
         ? depth * (1.0 - depth * (0.5 - depth * (0.166666667 - depth * 0.041666667)))
         : 1.0 - exp(-depth);
+}
+
+// Some bins are not linear in the opacity over a whole sample. (Bins with a branch of their own are no cure: CPU drivers
+// execute both sides.)
+layout(constant_id = SPEC_EXACT_BINS) const bool EXACT_BINS = false;
+
+// Opacity of a whole sample between the two ends of a bin. The table holds opacities over a whole sample's length where they
+// are linear in the bin; other bins hold the function's own and mark their end as -1 - opacity.
+// `unit_exponent`: length of a whole sample in unit distances.
+float bin_opacity(float start, float end, float f, float unit_exponent) {
+    if (EXACT_BINS) {
+        if (end < -0.5) {
+            return opacity_over(mix(start, -1.0 - end, f), unit_exponent);
+        }
+    }
+    return mix(start, end, f);
+}
+
+// Bin of a texture sample, and where in it.
+int bin_of(float value, out float f) {
+    float x = clamp((value - volume.first_sample) * volume.bin_from_sample + 1.0, 0.0, volume.bins);
+    float bin = min(floor(x), volume.last_bin);
+    f = x - bin;
+    return int(bin);
+}
+
+vec4 transfer_texel(int bin, int row) {
+    return texelFetch(t_transfer, ivec2(bin, row), 0);
+}
+
+// For the march.
+Classified classify(float value, float unit_exponent) {
+    float f;
+    int bin = bin_of(value, f);
+    vec4 start = transfer_texel(bin, 0);
+    vec4 end = transfer_texel(bin, 1);
+    Classified c;
+    c.color = mix(start.rgb, end.rgb, f);
+    c.opacity = bin_opacity(start.a, end.a, f, unit_exponent);
+    c.emission = vec3(0.0);
+    if (EMISSION) {
+        c.emission = mix(transfer_texel(bin, 2).rgb, transfer_texel(bin, 3).rgb, f);
+    }
+    return c;
+}
+
+// For the light pass, which needs no colour.
+Classified classify_light(float value, float unit_exponent) {
+    float f;
+    int bin = bin_of(value, f);
+    vec4 start = transfer_texel(bin, 2);
+    vec4 end = transfer_texel(bin, 3);
+    return Classified(vec3(0.0), mix(start.rgb, end.rgb, f), bin_opacity(start.a, end.a, f, unit_exponent));
 }

@@ -10,8 +10,8 @@ layout(set = 0, binding = BINDING_ATLAS) uniform sampler3D t_atlas;
 // Position in samples inside a brick, [0, intervals].
 // `precise` throughout: variants of a pass (skipping on or off, say) must compute the same bits.
 vec3 brick_local(Brick b, vec3 p_ix) {
-    precise vec3 local = (p_ix - b.base_ix) * b.scale;
-    local = clamp(local, vec3(0.0), b.intervals);
+    precise vec3 local = p_ix - b.base_ix;
+    local = UNIFORM_GRID ? local : clamp(local * b.scale, vec3(0.0), b.intervals);
     if (BLOCKS_APART) {
         // No interpolation between blocks: the apron, which belongs to the next block, is not used. The last block of an axis has
         // no next one and keeps its last sample.

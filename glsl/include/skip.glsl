@@ -1,5 +1,5 @@
 // Empty-space skipping: for each skip cell, 0 where the transfer function shows something, else the chessboard distance
-// in cells to the nearest such cell.
+// in cells to the nearest such cell. WHOLE_BLOCK is a 0 whose whole block is 0.
 
 layout(constant_id = SPEC_SKIPPING) const bool SKIPPING = true;
 
@@ -9,6 +9,8 @@ layout(set = 0, binding = BINDING_SKIP) uniform usampler3D t_skip;
 // so that rounding never takes a sample for one of the wrong side.
 const float MARGIN_STEPS = 0.02;
 const float MARGIN_IX = 1e-3;
+
+const uint WHOLE_BLOCK = 255u;
 
 const float FAR_STEPS = 3.0e38;
 
@@ -29,8 +31,27 @@ uint samples_before(float steps) {
     return uint(clamp(ceil(steps - MARGIN_STEPS), 1.0, 1.0e9));
 }
 
-// The box of cells around `cell` that hold nothing, for a cell of distance `distance` >= 1.
-void empty_box(ivec3 cell, uint distance, out vec3 low_ix, out vec3 high_ix) {
-    low_ix = vec3((cell - int(distance) + 1) * SKIP_CELLS);
-    high_ix = vec3((cell + int(distance)) * SKIP_CELLS);
+// What a ray meets at a point, and the box in which it goes on like that.
+struct Region {
+    bool empty;
+    vec3 low_ix;
+    vec3 high_ix;
+};
+
+Region region_at(vec3 p_ix, ivec3 block_bx) {
+    Region r;
+    r.empty = false;
+    r.low_ix = vec3(block_bx * BLOCK_CELLS);
+    r.high_ix = r.low_ix + float(BLOCK_CELLS);
+    if (SKIPPING) {
+        ivec3 cell = skip_cell_of(p_ix);
+        uint distance = texelFetch(t_skip, cell, 0).r;
+        if (distance != WHOLE_BLOCK) {
+            r.empty = distance > 0u;
+            int reach = max(int(distance), 1);
+            r.low_ix = vec3((cell - reach + 1) * SKIP_CELLS);
+            r.high_ix = vec3((cell + reach) * SKIP_CELLS);
+        }
+    }
+    return r;
 }

@@ -8,6 +8,9 @@ const int BLOCK_CELLS = 16;    // voxel cells on an axis of a block
 const int SKIP_CELLS = 4;      // voxel cells on an axis of a skip cell
 const int FINEST_LEVEL = 4;
 
+// Every block is resident at the finest level, and bricks lie as their blocks do: places are computed, not looked up.
+layout(constant_id = SPEC_UNIFORM_GRID) const bool UNIFORM_GRID = false;
+
 // A resident brick. It covers the closed block and stores `intervals + 1` samples on each axis.
 struct Brick {
     bool resident;
@@ -24,8 +27,18 @@ ivec3 block_of(vec3 p_ix) {
 }
 
 Brick brick_fetch(ivec3 block_bx) {
-    uvec4 entry = texelFetch(t_index, block_bx, 0);
     Brick b;
+    if (UNIFORM_GRID) {
+        b.resident = true;
+        b.level = FINEST_LEVEL;
+        b.base_ix = vec3(block_bx * BLOCK_CELLS);
+        b.cells = min(vec3(BLOCK_CELLS), volume.field_ix - b.base_ix);
+        b.intervals = b.cells;
+        b.scale = vec3(1.0);
+        b.origin_at = vec3(block_bx * (BLOCK_CELLS + 1));
+        return b;
+    }
+    uvec4 entry = texelFetch(t_index, block_bx, 0);
     b.resident = entry.w != 0u;
     b.level = int(entry.w) - 1;
     b.base_ix = vec3(block_bx * BLOCK_CELLS);

@@ -13,6 +13,6 @@ mod visibility;
 pub(crate) use images::{Images, LIGHT_TEXEL_BYTES, LightLists};
 pub(crate) use light_work::{GROUP, LightWork};
 pub(crate) use residency::{Residency, Store};
-pub(crate) use transfer_table::{SampleScale, TransferTable};
+pub(crate) use transfer_table::{SampleLengths, SampleScale, TransferTable};
 pub(crate) use upload::{UploadResources, Uploads};
 pub(crate) use visibility::Visibility;

@@ -129,29 +129,66 @@ impl TransferTable {
         )
     }
 
-    /// Four rows of RGBA: starts, ends, emission at starts, emission at ends.
-    pub(crate) fn texels(&self) -> Vec<[f32; 4]> {
-        let color = |o: &Optical| {
-            let [r, g, b] = o.color.map(|c| c as f32);
-            [r, g, b, o.opacity as f32]
-        };
-        let emission = |o: &Optical| {
-            let [r, g, b] = o.emission.map(|c| c as f32);
-            [r, g, b, 0.0]
-        };
-        let (starts, ends) = (&self.starts, &self.ends);
-        starts
-            .iter()
-            .map(color)
-            .chain(ends.iter().map(color))
-            .chain(starts.iter().map(emission))
-            .chain(ends.iter().map(emission))
-            .collect()
+    /// Four rows of RGBA: colour and the march's opacity at starts and at ends of bins, then emission and the light pass's
+    /// opacity likewise.
+    ///
+    /// Opacities are over a whole sample of each pass wherever that is linear in the bin. Elsewhere they are the function's own,
+    /// and the end is marked as `-1 - opacity` (`bin_opacity` in glsl/include/classify.glsl).
+    pub(crate) fn texels(&self, lengths: SampleLengths) -> Vec<[f32; 4]> {
+        let bins = self.bins();
+        let mut texels = vec![[0.0; 4]; bins * Self::ROWS as usize];
+        for (bin, (start, end)) in self.starts.iter().zip(&self.ends).enumerate() {
+            let march = bin_opacities(start.opacity, end.opacity, lengths.march);
+            let light = bin_opacities(start.opacity, end.opacity, lengths.light);
+            let rows = [
+                (start.color, march[0]),
+                (end.color, march[1]),
+                (start.emission, light[0]),
+                (end.emission, light[1]),
+            ];
+            for (row, ([r, g, b], a)) in rows.into_iter().enumerate() {
+                texels[row * bins + bin] = [r, g, b, a].map(|c| c as f32);
+            }
+        }
+        texels
+    }
+
+    /// True when some bin is not linear and the shaders have to compute its opacities.
+    pub(crate) fn has_exact_bins(&self, lengths: SampleLengths) -> bool {
+        self.starts.iter().zip(&self.ends).any(|(start, end)| {
+            [lengths.march, lengths.light]
+                .iter()
+                .any(|&length| bin_opacities(start.opacity, end.opacity, length)[1] < -0.5)
+        })
     }
 
     fn at(&self, bin: usize, fraction: f64) -> bool {
         let (a, b) = (&self.starts[bin], &self.ends[bin]);
         (fraction < 1.0 && shows(a)) || (fraction > 0.0 && shows(b))
+    }
+}
+
+/// Length of a whole sample of each pass, in unit distances of the transfer function (times gamma for light).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SampleLengths {
+    pub(crate) march: f64,
+    pub(crate) light: f64,
+}
+
+/// How far an opacity may be off for its bin to count as linear.
+const LINEAR_TOLERANCE: f64 = 1e-6;
+
+/// Opacities at the ends of a bin as the shaders take them.
+fn bin_opacities(start: f64, end: f64, length: f64) -> [f64; 2] {
+    let whole = |a: f64| -f64::exp_m1(length * f64::ln_1p(-a));
+    let (first, last) = (whole(start), whole(end));
+    let linear = [0.25, 0.5, 0.75].iter().all(|f| {
+        (whole(start + (end - start) * f) - (first + (last - first) * f)).abs() <= LINEAR_TOLERANCE
+    });
+    if linear {
+        [first, last]
+    } else {
+        [start, -1.0 - end]
     }
 }
 
@@ -231,7 +268,7 @@ impl Classify for TransferTable {
 
 #[cfg(test)]
 mod tests {
-    use super::{Classify, SampleScale, TransferTable};
+    use super::{Classify, SampleLengths, SampleScale, TransferTable, bin_opacities};
     use crate::scene::{ColorManagement, ControlPoint, Curve};
 
     const U8: SampleScale = SampleScale {
@@ -253,13 +290,12 @@ mod tests {
     }
 
     /// The shader's look-up, in f64.
-    fn look_up(table: &TransferTable, value: f64) -> [f64; 4] {
+    fn look_up(table: &TransferTable, texels: &[[f32; 4]], value: f64) -> [f64; 4] {
         let (scale, first) = table.bin_from_sample();
         let x = (table.samples.sample(value) - first) * scale + 1.0;
         let x = x.clamp(0.0, table.bins() as f64);
         let bin = (x.floor() as usize).min(table.bins() - 1);
         let f = x - bin as f64;
-        let texels = table.texels();
         let (a, b) = (texels[bin], texels[table.bins() + bin]);
         std::array::from_fn(|i| f64::from(a[i]) * (1.0 - f) + f64::from(b[i]) * f)
     }
@@ -282,10 +318,14 @@ mod tests {
         for points in tables {
             let curve = curve(&points);
             let table = TransferTable::new(&curve, U8);
+            let texels = table.texels(SampleLengths {
+                march: 1.0,
+                light: 1.0,
+            });
             for i in 0..10_000 {
                 let value = -1100.0 + 0.2401 * f64::from(i);
                 let exact = curve.evaluate(value);
-                let got = look_up(&table, value);
+                let got = look_up(&table, &texels, value);
                 assert!(
                     (got[3] - exact.opacity).abs() < 2e-6,
                     "{points:?} at {value}: {got:?}"
@@ -346,6 +386,34 @@ mod tests {
                 let any = (0..=100)
                     .any(|i| curve.evaluate(a + (b - a) * f64::from(i) / 100.0).opacity > 1e-9);
                 assert!(!any || table.visible([a, b]), "[{a}, {b}]");
+            }
+        }
+    }
+
+    #[test]
+    fn opacities_over_a_sample_are_exact_between_the_ends_of_every_bin() {
+        for length in [0.05, 0.5, 1.0, 3.0] {
+            for (start, end) in [
+                (0.0, 0.0),
+                (0.2, 0.2003),
+                (0.0, 0.9),
+                (0.9995, 1.0),
+                (1.0, 1.0),
+                (1e-5, 2e-5),
+            ] {
+                let [a, b] = bin_opacities(start, end, length);
+                for f in [0.0, 0.1, 0.5, 0.9, 1.0] {
+                    let exact = 1.0 - (1.0 - (start + (end - start) * f)).powf(length);
+                    let got = if b < -0.5 {
+                        1.0 - (1.0 - (a + (-1.0 - b - a) * f)).powf(length)
+                    } else {
+                        a + (b - a) * f
+                    };
+                    assert!(
+                        (got - exact).abs() < 2e-6,
+                        "{start}..{end} over {length} at {f}: {got}, not {exact}"
+                    );
+                }
             }
         }
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use ash::vk;
 use rayon::prelude::*;
 
-use super::{Images, Residency, Store, TransferTable};
+use super::{Images, Residency, SampleLengths, Store, TransferTable};
 use crate::error::Result;
 use crate::gpu::memory::MemoryLocation;
 use crate::gpu::{Access, Buffer, Context, CopyBox, Recorder};
@@ -45,6 +45,11 @@ impl Uploads {
         self.skip = true;
     }
 
+    /// The length of a sample changed.
+    pub(crate) fn relength(&mut self) {
+        self.transfer = true;
+    }
+
     /// True when there is something to record.
     pub(crate) fn pending(&self) -> bool {
         !self.bricks_complete() || self.transfer || self.skip || self.index || !self.light_cleared
@@ -73,6 +78,7 @@ impl Uploads {
             store,
             residency,
             table,
+            lengths,
             distances,
         } = *resources;
         let mut uploaded = 0;
@@ -103,7 +109,7 @@ impl Uploads {
             self.skip = false;
         }
         if self.transfer {
-            let texels = table.texels();
+            let texels = table.texels(lengths);
             let bytes: &[u8] = bytemuck::cast_slice(&texels);
             let staging = staging(context, "umbravox.upload.transfer", bytes)?;
             let extent = [table.bins() as u32, TransferTable::ROWS, 1];
@@ -202,6 +208,7 @@ pub(crate) struct UploadResources<'a> {
     pub(crate) store: &'a Store,
     pub(crate) residency: &'a Residency,
     pub(crate) table: &'a TransferTable,
+    pub(crate) lengths: SampleLengths,
     pub(crate) distances: &'a [u8],
 }
 

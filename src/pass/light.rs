@@ -101,11 +101,13 @@ impl LightPass {
         &mut self,
         context: &Arc<Context>,
         recorder: &mut Recorder<'_>,
+        reconstruction: Reconstruction,
         resources: &LightResources<'_>,
     ) -> Result<()> {
+        let constants = vec![(SPEC_UNIFORM_GRID, reconstruction.uniform_grid.into())];
         let pipeline = self
             .variants
-            .get(context, &interface::LIGHT_SEAM, Vec::new())?;
+            .get(context, &interface::LIGHT_SEAM, constants)?;
         let LightResources {
             images,
             lists,

@@ -54,13 +54,18 @@ pub(crate) struct Reconstruction {
     pub(crate) inter_block: bool,
     pub(crate) skipping: bool,
     pub(crate) emission: bool,
+    /// Every brick is on the device, at the finest level and in the grid layout.
+    pub(crate) uniform_grid: bool,
+    /// The transfer-function table has bins whose opacity is computed, not interpolated.
+    pub(crate) exact_bins: bool,
 }
 
 impl Reconstruction {
     /// Specialization constants, the same ids in every pass.
     pub(crate) fn constants(self) -> Constants {
         use crate::shader::generated::{
-            SPEC_BLOCKS_APART, SPEC_EMISSION, SPEC_MANUAL_FILTER, SPEC_NEAREST, SPEC_SKIPPING,
+            SPEC_BLOCKS_APART, SPEC_EMISSION, SPEC_EXACT_BINS, SPEC_MANUAL_FILTER, SPEC_NEAREST,
+            SPEC_SKIPPING, SPEC_UNIFORM_GRID,
         };
         vec![
             (SPEC_NEAREST, self.nearest.into()),
@@ -68,6 +73,8 @@ impl Reconstruction {
             (SPEC_BLOCKS_APART, (!self.inter_block).into()),
             (SPEC_SKIPPING, self.skipping.into()),
             (SPEC_EMISSION, self.emission.into()),
+            (SPEC_UNIFORM_GRID, self.uniform_grid.into()),
+            (SPEC_EXACT_BINS, self.exact_bins.into()),
         ]
     }
 }

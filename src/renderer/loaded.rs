@@ -8,8 +8,8 @@ use super::light::LightProgress;
 use super::settings::Settings;
 use super::{Frame, FrameReport, pass_name};
 use crate::atlas::{
-    Images, LIGHT_TEXEL_BYTES, LightLists, Residency, SampleScale, Store, TransferTable,
-    UploadResources, Uploads, Visibility,
+    Images, LIGHT_TEXEL_BYTES, LightLists, Residency, SampleLengths, SampleScale, Store,
+    TransferTable, UploadResources, Uploads, Visibility,
 };
 use crate::error::{Error, Result};
 use crate::gpu::{Context, Recorder, Uniforms};
@@ -135,6 +135,7 @@ impl Loaded {
         } else if reclassify {
             self.uploads.reclassify();
         }
+        self.uploads.relength();
         if let Some(residency) = residency {
             self.residency = residency;
         }
@@ -171,6 +172,11 @@ impl Loaded {
             inter_block: self.settings.march.inter_block_interpolation,
             skipping: self.settings.march.empty_space_skipping,
             emission: self.settings.curve.emits(),
+            uniform_grid: self.residency.layout.is_grid() && self.uploads.bricks_complete(),
+            exact_bins: self.table.has_exact_bins(sample_lengths(
+                &self.settings,
+                self.store.volume.min_spacing(),
+            )),
         }
     }
 
@@ -210,16 +216,19 @@ impl Loaded {
             residency,
             table,
             visibility,
+            settings,
             ..
         } = self;
         let mut uploaded_bytes = 0;
         if uploads.pending() {
             let distances = &visibility.distances;
+            let lengths = sample_lengths(settings, store.volume.min_spacing());
             let resources = UploadResources {
                 images,
                 store,
                 residency,
                 table,
+                lengths,
                 distances,
             };
             uploaded_bytes = recorder.pass(pass_name::UPLOAD, |recorder| {
@@ -286,7 +295,7 @@ impl Loaded {
                 work,
                 volume,
             };
-            light_pass.seam(context, recorder, &resources)
+            light_pass.seam(context, recorder, reconstruction, &resources)
         })
     }
 
@@ -463,6 +472,19 @@ fn choose(
 ) -> Result<Residency> {
     let selection = select(store, table, settings)?;
     Residency::new(store, selection, context.capabilities().max_extent_3d)
+}
+
+/// Lengths that the transfer-function table is made for.
+fn sample_lengths(settings: &Settings, voxel_mm: f64) -> SampleLengths {
+    let unit = settings.curve.unit_distance;
+    let light = settings.ambient_occlusion.as_ref().map_or(1.0, |ao| {
+        let part = (ao.radius - ao.offset) / f64::from(ao.samples_per_ray());
+        ao.gamma * part * voxel_mm / unit
+    });
+    SampleLengths {
+        march: settings.march.step * voxel_mm / unit,
+        light,
+    }
 }
 
 fn light_progress(store: &Store, settings: &Settings) -> Option<LightProgress> {

@@ -107,3 +107,7 @@ pub const SPEC_SCENE_DEPTH: u32 = 8;
 pub const SPEC_ENCODE_SRGB: u32 = 9;
 
 pub const SPEC_MANUAL_FILTER: u32 = 10;
+
+pub const SPEC_UNIFORM_GRID: u32 = 11;
+
+pub const SPEC_EXACT_BINS: u32 = 12;

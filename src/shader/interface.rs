@@ -103,6 +103,8 @@ const fn march(module: &'static Module, bindings: &'static [Binding]) -> PassInt
             SPEC_SCENE_DEPTH,
             SPEC_ENCODE_SRGB,
             SPEC_MANUAL_FILTER,
+            SPEC_UNIFORM_GRID,
+            SPEC_EXACT_BINS,
         ],
         local_size: [8, 8, 1],
     }
@@ -158,6 +160,8 @@ pub const LIGHT_TRACE: PassInterface = PassInterface {
         SPEC_SKIPPING,
         SPEC_EMISSION,
         SPEC_MANUAL_FILTER,
+        SPEC_UNIFORM_GRID,
+        SPEC_EXACT_BINS,
     ],
     local_size: [4, 4, 4],
 };
@@ -173,7 +177,7 @@ pub const LIGHT_SEAM: PassInterface = PassInterface {
         storage_image(BINDING_LIGHT_STORE, Access::ReadWrite),
     ],
     push_constants: Some(SeamPush::LAYOUT),
-    spec_ids: &[],
+    spec_ids: &[SPEC_UNIFORM_GRID],
     local_size: [4, 4, 4],
 };
 
@@ -188,7 +192,7 @@ pub const BARE: PassInterface = PassInterface {
         sampled(BINDING_VOXELS),
     ],
     push_constants: Some(BarePush::LAYOUT),
-    spec_ids: &[SPEC_EMISSION],
+    spec_ids: &[SPEC_EMISSION, SPEC_EXACT_BINS],
     local_size: [8, 8, 1],
 };
 

@@ -113,6 +113,12 @@ impl AtlasLayout {
         }
     }
 
+    /// True when every block is at the finest level and bricks lie as their blocks do: brick `b` starts at
+    /// `17 b`.
+    pub fn is_grid(&self) -> bool {
+        matches!(self.copy_extents, CopyExtents::Trimmed(_))
+    }
+
     /// Texels of the atlas, used or not.
     pub fn texels(&self) -> u64 {
         self.extent.iter().map(|&n| u64::from(n)).product()

@@ -26,7 +26,10 @@ use ash::vk;
 use glam::DMat4;
 
 use crate::error::{Error, Result};
-use crate::gpu::{Access, Image, OwnedRecording, Recorder, ViewBinding};
+use crate::gpu::{
+    Access, HostTransition, HostUse, Image, OwnedRecording, Recorder, transition_host_images,
+};
+use crate::pass::march::MarchVariant;
 use crate::renderer::{self, Frame, FrameDepth, FrameTarget, RayBasis, Work, ix_from_clip};
 use crate::scene::View;
 
@@ -39,7 +42,7 @@ pub use crate::renderer::{DepthRange, FrameReport, Renderer, Settings};
 /// How an image of the host is used before or after the recorded commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ImageUse {
-    /// Pipeline stages; of entry: those that must have finished, of exit: those that wait for us.
+    /// Pipeline stages; of entry: those that must have finished, of exit: those that wait for us. May be empty.
     pub stage: vk::PipelineStageFlags,
     /// Memory accesses in those stages.
     pub access: vk::AccessFlags,
@@ -99,7 +102,7 @@ pub struct SceneDepth {
 #[derive(Clone, Copy, Debug)]
 pub enum FrameCamera {
     /// The host's matrices, Vulkan conventions: y of clip space points down, depth is 0 to 1. Right- or left-handed,
-    /// perspective (off-centre and infinite too) or orthographic.
+    /// perspective (off-centre and infinite too; rays start at the eye) or orthographic (rays start at the near plane).
     Matrices {
         /// World (mm, LPS) to view.
         view_from_world: DMat4,
@@ -134,17 +137,17 @@ impl FrameInput {
     pub const UPLOAD_BUDGET: usize = 64 << 20;
 }
 
-const SHADER: vk::PipelineStageFlags = vk::PipelineStageFlags::COMPUTE_SHADER;
-
 impl Renderer {
     /// Records one frame: pending uploads, one direction of ambient occlusion, the picture.
     ///
     /// On entry and exit images are as [`Target`] and [`SceneDepth`] state; all other synchronization is inside.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for matrices that cannot be inverted, a target format that cannot be blended over, or frame numbers
-    /// that do not grow; [`Error::OutOfMemory`]. After an error the command buffer is still valid, but holds an unknown
-    /// part of the frame: submit it or reset it.
+    /// [`Error::Invalid`] for matrices that cannot be inverted, a target that cannot be blended over, layouts that lose what
+    /// is needed, or frame numbers that do not grow: nothing was recorded. [`Error::OutOfMemory`] and others: the command
+    /// buffer is still valid, and leaves the images of `input` as `exit` says, but holds an unknown part of the frame.
+    /// Submit it or reset it; the next frame uploads and traces everything again. A frame that failed may be recorded once
+    /// more.
     ///
     /// # Safety
     /// - `cmd` is in the recording state, outside a render pass, on the queue family of the context's [`HostDevice`].
@@ -157,14 +160,9 @@ impl Renderer {
         cmd: vk::CommandBuffer,
         input: &FrameInput,
     ) -> Result<FrameReport> {
+        check(input)?;
         let ix_from_world = self.loaded().store().volume.world_from_ix().inverse();
         let size_px = input.target.size_px;
-        if size_px.contains(&0) {
-            return Err(Error::invalid(
-                "target.size_px",
-                format!("{size_px:?} has no pixels"),
-            ));
-        }
         let (rays, clip) = match input.camera {
             FrameCamera::View(view) => (RayBasis::from_view(&view, size_px), None),
             FrameCamera::Matrices {
@@ -219,83 +217,131 @@ impl Renderer {
         // SAFETY: by this function's contract.
         unsafe { self.context().collect(input.completed) };
         self.begin_frame(input.index, input.completed, |context, slots, loaded| {
-            let slot = slots.acquire(context, input.index, input.completed)?;
             // SAFETY: by this function's contract.
-            let mut recorder = unsafe { Recorder::new(context, cmd, slot) };
-            enter(&mut recorder, input);
-            let report =
-                renderer::record(context, &mut recorder, loaded, &frame, Work::Everything)?;
-            leave(&mut recorder, input);
-            Ok(report)
+            unsafe { transition_host_images(context, cmd, &entering(input)) };
+            let slot = slots.acquire(context, input.index, input.completed);
+            let recorded = slot.and_then(|slot| {
+                // SAFETY: by this function's contract.
+                let mut recorder = unsafe { Recorder::new(context, cmd, slot) };
+                renderer::record(context, &mut recorder, loaded, &frame, Work::Everything)
+            });
+            // After an error too: the host gets its images back as it expects them.
+            // SAFETY: by this function's contract; the images are used as was recorded above.
+            unsafe { transition_host_images(context, cmd, &leaving(input)) };
+            recorded
         })
     }
 }
 
-fn masks(image_use: ImageUse) -> (vk::PipelineStageFlags, vk::AccessFlags, vk::ImageLayout) {
-    (image_use.stage, image_use.access, image_use.layout)
-}
-
-fn target_range(target: &Target) -> ViewBinding {
-    let range = vk::ImageSubresourceRange {
-        aspect_mask: vk::ImageAspectFlags::COLOR,
-        base_mip_level: 0,
-        level_count: 1,
-        base_array_layer: 0,
-        layer_count: 1,
-    };
-    ViewBinding {
-        image: target.image,
-        range,
+/// What can be told before anything is recorded.
+fn check(input: &FrameInput) -> Result<()> {
+    let Target {
+        format,
+        size_px,
+        background,
+        ..
+    } = input.target;
+    if size_px.contains(&0) {
+        let message = format!("{size_px:?} has no pixels");
+        return Err(Error::invalid("target.size_px", message));
     }
+    let blends = background == Background::Target;
+    if blends && !MarchVariant::BLENDABLE.contains(&format) {
+        let valid = MarchVariant::BLENDABLE;
+        let message = format!("{format:?} cannot be blended over; {valid:?} can");
+        return Err(Error::invalid("target.format", message));
+    }
+    let known = |at: &str, layout: vk::ImageLayout, why: &str| {
+        let nothing = [vk::ImageLayout::UNDEFINED, vk::ImageLayout::PREINITIALIZED];
+        if nothing.contains(&layout) {
+            return Err(Error::invalid(at, format!("{layout:?} {why}")));
+        }
+        Ok(())
+    };
+    if blends {
+        let why = "discards the contents that are to be blended over";
+        known("target.entry.layout", input.target.entry.layout, why)?;
+    }
+    let why = "is no layout that an image can be left in";
+    known("target.exit.layout", input.target.exit.layout, why)?;
+    if let Some(depth) = &input.depth {
+        let lost = "discards the depths that rays are to end at";
+        known("depth.entry.layout", depth.entry.layout, lost)?;
+        known("depth.exit.layout", depth.exit.layout, why)?;
+    }
+    Ok(())
 }
 
-fn depth_range(depth: &SceneDepth) -> ViewBinding {
-    let range = vk::ImageSubresourceRange {
-        aspect_mask: depth.aspects,
-        base_mip_level: 0,
-        level_count: 1,
-        base_array_layer: 0,
-        layer_count: 1,
-    };
-    ViewBinding {
-        image: depth.image,
-        range,
+/// `none` stands for no stage at all, which barriers of Vulkan 1.2 cannot name.
+fn host_use(image_use: ImageUse, none: vk::PipelineStageFlags) -> HostUse {
+    let ImageUse {
+        stage,
+        access,
+        layout,
+    } = image_use;
+    HostUse {
+        stage: if stage.is_empty() { none } else { stage },
+        access,
+        layout,
     }
 }
 
 /// The use of the target while we record: read too where it is blended over.
-fn marched(target: &Target) -> (vk::PipelineStageFlags, vk::AccessFlags, vk::ImageLayout) {
-    let access = match target.background {
-        Background::Target => vk::AccessFlags::SHADER_READ | vk::AccessFlags::SHADER_WRITE,
-        Background::Color(_) | Background::Transparent => vk::AccessFlags::SHADER_WRITE,
+fn marched(target: &Target) -> HostUse {
+    let read = match target.background {
+        Background::Target => vk::AccessFlags::SHADER_READ,
+        Background::Color(_) | Background::Transparent => vk::AccessFlags::empty(),
     };
-    (SHADER, access, vk::ImageLayout::GENERAL)
+    HostUse {
+        stage: vk::PipelineStageFlags::COMPUTE_SHADER,
+        access: read | vk::AccessFlags::SHADER_WRITE,
+        layout: vk::ImageLayout::GENERAL,
+    }
 }
 
-const DEPTH_SAMPLED: (vk::PipelineStageFlags, vk::AccessFlags, vk::ImageLayout) = (
-    SHADER,
-    vk::AccessFlags::SHADER_READ,
-    vk::ImageLayout::DEPTH_STENCIL_READ_ONLY_OPTIMAL,
-);
+/// The use of the host's depth while we record.
+const DEPTH_SAMPLED: HostUse = HostUse {
+    stage: vk::PipelineStageFlags::COMPUTE_SHADER,
+    access: vk::AccessFlags::SHADER_READ,
+    layout: vk::ImageLayout::DEPTH_STENCIL_READ_ONLY_OPTIMAL,
+};
 
 /// Takes over the host's images.
-fn enter(recorder: &mut Recorder<'_>, input: &FrameInput) {
+fn entering(input: &FrameInput) -> Vec<HostTransition> {
+    let none = vk::PipelineStageFlags::TOP_OF_PIPE;
     let target = &input.target;
-    recorder.use_host_image(target_range(target), masks(target.entry), marched(target));
-    if let Some(depth) = &input.depth {
-        recorder.use_host_image(depth_range(depth), masks(depth.entry), DEPTH_SAMPLED);
-    }
-    recorder.flush();
+    let mut transitions = vec![HostTransition {
+        image: target.image,
+        aspects: vk::ImageAspectFlags::COLOR,
+        from: host_use(target.entry, none),
+        to: marched(target),
+    }];
+    transitions.extend(input.depth.map(|depth| HostTransition {
+        image: depth.image,
+        aspects: depth.aspects,
+        from: host_use(depth.entry, none),
+        to: DEPTH_SAMPLED,
+    }));
+    transitions
 }
 
 /// Gives them back.
-fn leave(recorder: &mut Recorder<'_>, input: &FrameInput) {
+fn leaving(input: &FrameInput) -> Vec<HostTransition> {
+    let none = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
     let target = &input.target;
-    recorder.use_host_image(target_range(target), marched(target), masks(target.exit));
-    if let Some(depth) = &input.depth {
-        recorder.use_host_image(depth_range(depth), DEPTH_SAMPLED, masks(depth.exit));
-    }
-    recorder.flush();
+    let mut transitions = vec![HostTransition {
+        image: target.image,
+        aspects: vk::ImageAspectFlags::COLOR,
+        from: marched(target),
+        to: host_use(target.exit, none),
+    }];
+    transitions.extend(input.depth.map(|depth| HostTransition {
+        image: depth.image,
+        aspects: depth.aspects,
+        from: DEPTH_SAMPLED,
+        to: host_use(depth.exit, none),
+    }));
+    transitions
 }
 
 /// Records a frame of `headless`: the target and the light are our own images.
@@ -315,6 +361,16 @@ pub(crate) fn record_owned(
         // submits in order.
         let mut recorder = unsafe { Recorder::new(context, recording.command_buffer(), slot) };
         recorder.use_image(target, Access::Storage);
-        renderer::record(context, &mut recorder, loaded, frame, work)
+        let recorded = renderer::record(context, &mut recorder, loaded, frame, work);
+        if recorded.is_err() {
+            target.forget();
+            frame.aux.into_iter().for_each(Image::forget);
+        }
+        recorded
     })
 }
+
+/// The code in the README, which is compiled with the documentation's.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

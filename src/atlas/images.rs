@@ -132,6 +132,19 @@ impl Images {
             .collect()
     }
 
+    /// Nothing is known of what the images hold; see [`Image::forget`].
+    pub(crate) fn forget(&self) {
+        for image in [
+            &self.atlas,
+            &self.index,
+            &self.skip,
+            &self.transfer,
+            &self.light,
+        ] {
+            image.forget();
+        }
+    }
+
     /// The sampler of the atlas; formats that cannot be filtered must not be bound with one that does.
     pub(crate) fn atlas_sampler(&self) -> &Sampler {
         if self.manual_filter {

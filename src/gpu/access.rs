@@ -7,6 +7,8 @@ use ash::vk;
 pub(crate) enum Access {
     /// Not used yet; contents undefined.
     None,
+    /// Perhaps used, in any way, by commands that were perhaps submitted; contents undefined.
+    Unknown,
     /// Source of a copy.
     TransferRead,
     /// Destination of a copy, a clear or a fill.
@@ -33,8 +35,9 @@ pub(crate) struct Masks {
 impl Access {
     /// Every access.
     #[cfg(test)]
-    pub(crate) const ALL: [Self; 7] = [
+    pub(crate) const ALL: [Self; 8] = [
         Self::None,
+        Self::Unknown,
         Self::TransferRead,
         Self::TransferWrite,
         Self::SampledRead,
@@ -48,6 +51,7 @@ impl Access {
         use vk::{AccessFlags as A, ImageLayout as L, PipelineStageFlags as S};
         let (stage, access, layout, writes) = match self {
             Self::None => (S::TOP_OF_PIPE, A::empty(), L::UNDEFINED, false),
+            Self::Unknown => (S::ALL_COMMANDS, A::MEMORY_WRITE, L::UNDEFINED, true),
             Self::TransferRead => (
                 S::TRANSFER,
                 A::TRANSFER_READ,
@@ -100,7 +104,7 @@ mod tests {
     /// Every ordered pair: a barrier for read-after-write, write-after-read and write-after-write, none between reads.
     #[test]
     fn barriers_between_every_pair_of_buffer_accesses() {
-        let writes = [Access::TransferWrite, Access::Storage];
+        let writes = [Access::Unknown, Access::TransferWrite, Access::Storage];
         for a in Access::ALL {
             for b in Access::ALL {
                 let expected = a != Access::None && (writes.contains(&a) || writes.contains(&b));

@@ -248,7 +248,8 @@ impl Drop for FrameSlot {
 #[derive(Default)]
 pub(crate) struct FrameSlots {
     slots: Vec<FrameSlot>,
-    times: Vec<PassTime>,
+    /// Pass times of the newest frame known to have completed, and its number.
+    times: (u64, Vec<PassTime>),
 }
 
 impl FrameSlots {
@@ -266,12 +267,23 @@ impl FrameSlots {
                 self.slots.len() - 1
             }
         };
-        let slot = &mut self.slots[free];
-        if slot.frame != 0 {
-            self.times = slot.times();
+        let timed = self.slots.iter().filter(|s| !s.passes.is_empty());
+        if let Some(newest) = timed
+            .filter(|s| s.frame <= completed && s.frame > self.times.0)
+            .max_by_key(|s| s.frame)
+        {
+            self.times = (newest.frame, newest.times());
         }
+        let slot = &mut self.slots[free];
         slot.begin(index)?;
         Ok(slot)
+    }
+
+    /// Recording frame `index` failed; its timestamps may never be written.
+    pub(crate) fn abandon(&mut self, index: u64) {
+        for slot in self.slots.iter_mut().filter(|s| s.frame == index) {
+            slot.passes.clear();
+        }
     }
 
     /// Pass times of frame `index`, which has completed and whose slot was not reused yet.
@@ -285,7 +297,7 @@ impl FrameSlots {
 
     /// Pass times of the newest frame known to have completed.
     pub(crate) fn latest_times(&self) -> &[PassTime] {
-        &self.times
+        &self.times.1
     }
 
     /// The last pass known to have started, of the newest frame that started any.

@@ -104,6 +104,11 @@ impl Image {
         self.view
     }
 
+    /// Recording failed: whether its commands reach the device, and what the image holds, is not known.
+    pub(crate) fn forget(&self) {
+        self.access.set(Access::Unknown);
+    }
+
     /// Texels on x, y, z.
     pub(crate) fn extent(&self) -> [u32; 3] {
         self.extent

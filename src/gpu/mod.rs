@@ -33,4 +33,4 @@ pub(crate) use frame_slot::{FrameSlots, PassTime, Uniforms};
 pub(crate) use image::{Filter, Image, ImageInfo, Sampler};
 pub(crate) use owned_device::{OwnedDevice, OwnedDeviceInfo, OwnedRecording, list_devices};
 pub(crate) use pipeline::{Bound, Pipeline};
-pub(crate) use recorder::{CopyBox, Recorder, ViewBinding};
+pub(crate) use recorder::{CopyBox, HostTransition, HostUse, Recorder, transition_host_images};

@@ -31,11 +31,66 @@ struct Pending {
     images: Vec<vk::ImageMemoryBarrier<'static>>,
 }
 
-/// An image of the host, with the way it was used before and is used after the recorded commands.
+/// A use of an image of the host, as a barrier names it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ViewBinding {
+pub(crate) struct HostUse {
+    pub(crate) stage: vk::PipelineStageFlags,
+    pub(crate) access: vk::AccessFlags,
+    pub(crate) layout: vk::ImageLayout,
+}
+
+/// An image of the host that goes from one use to another.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct HostTransition {
     pub(crate) image: vk::Image,
-    pub(crate) range: vk::ImageSubresourceRange,
+    pub(crate) aspects: vk::ImageAspectFlags,
+    pub(crate) from: HostUse,
+    pub(crate) to: HostUse,
+}
+
+/// Records transitions of the first level and layer of the host's images, with one barrier.
+///
+/// # Safety
+/// `cmd` is recording, outside a render pass. The images are alive until the frame completes, and used as `from` says.
+pub(crate) unsafe fn transition_host_images(
+    context: &Context,
+    cmd: vk::CommandBuffer,
+    transitions: &[HostTransition],
+) {
+    let barriers: Vec<_> = transitions
+        .iter()
+        .map(|t| {
+            let range = vk::ImageSubresourceRange::default()
+                .aspect_mask(t.aspects)
+                .level_count(1)
+                .layer_count(1);
+            vk::ImageMemoryBarrier::default()
+                .src_access_mask(t.from.access)
+                .dst_access_mask(t.to.access)
+                .old_layout(t.from.layout)
+                .new_layout(t.to.layout)
+                .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                .image(t.image)
+                .subresource_range(range)
+        })
+        .collect();
+    let stages = |of: fn(&HostTransition) -> vk::PipelineStageFlags| {
+        let all = transitions.iter().map(of);
+        all.fold(vk::PipelineStageFlags::empty(), |a, b| a | b)
+    };
+    // SAFETY: this function's contract.
+    unsafe {
+        context.device.cmd_pipeline_barrier(
+            cmd,
+            stages(|t| t.from.stage),
+            stages(|t| t.to.stage),
+            vk::DependencyFlags::empty(),
+            &[],
+            &[],
+            &barriers,
+        );
+    }
 }
 
 /// One box of a copy between a buffer and an image.
@@ -138,28 +193,6 @@ impl<'a> Recorder<'a> {
                     .subresource_range(COLOR_RANGE),
             );
         }
-    }
-
-    /// Moves a host's image from one use to another.
-    pub(crate) fn use_host_image(
-        &mut self,
-        image: ViewBinding,
-        from: (vk::PipelineStageFlags, vk::AccessFlags, vk::ImageLayout),
-        to: (vk::PipelineStageFlags, vk::AccessFlags, vk::ImageLayout),
-    ) {
-        self.pending.source |= from.0;
-        self.pending.destination |= to.0;
-        self.pending.images.push(
-            vk::ImageMemoryBarrier::default()
-                .src_access_mask(from.1)
-                .dst_access_mask(to.1)
-                .old_layout(from.2)
-                .new_layout(to.2)
-                .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-                .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-                .image(image.image)
-                .subresource_range(image.range),
-        );
     }
 
     /// Emits the barriers collected so far.

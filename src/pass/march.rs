@@ -121,6 +121,12 @@ impl MarchPass {
         })
     }
 
+    /// Nothing is known of the state of the stand-ins; see [`Image::forget`].
+    pub(crate) fn forget(&self) {
+        self.unused_sampled.forget();
+        self.unused_storage.forget();
+    }
+
     pub(crate) fn record(
         &mut self,
         context: &Arc<Context>,

@@ -11,7 +11,7 @@ use crate::atlas::{
     Images, LIGHT_TEXEL_BYTES, LightLists, Residency, SampleLengths, SampleScale, Store,
     TransferTable, UploadResources, Uploads, Visibility,
 };
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::{Context, Recorder, Uniforms};
 use crate::pass::Reconstruction;
 use crate::pass::bare::{BarePass, BareResources};
@@ -151,6 +151,15 @@ impl Loaded {
             self.light = light_progress(&self.store, &self.settings);
         }
         Ok(())
+    }
+
+    /// Recording a frame failed: whether the device will see what was recorded is up to the host, so everything is uploaded
+    /// and traced again.
+    pub(super) fn forget(&mut self) {
+        self.images.forget();
+        self.march_pass.forget();
+        self.uploads = Uploads::all(&self.residency);
+        self.light = light_progress(&self.store, &self.settings);
     }
 
     /// Directions traced, and all of them.
@@ -307,16 +316,6 @@ impl Loaded {
         frame: &Frame<'_>,
     ) -> Result<()> {
         let target = frame.target;
-        if target.blend && !MarchVariant::BLENDABLE.contains(&target.format) {
-            return Err(Error::invalid(
-                "target format",
-                format!(
-                    "{:?} cannot be blended over; {:?} can",
-                    target.format,
-                    MarchVariant::BLENDABLE
-                ),
-            ));
-        }
         let params = self.frame_params(frame);
         let frame_uniforms = recorder.slot().uniforms(bytemuck::bytes_of(&params))?;
         let variant = MarchVariant {

@@ -167,7 +167,7 @@ impl Renderer {
         self.slots.times_of(index)
     }
 
-    /// Checks the frame numbers and hands out what recording needs.
+    /// Checks the frame numbers and hands out what recording needs. A frame that fails does not count: the next one starts over.
     pub(crate) fn begin_frame<T>(
         &mut self,
         index: u64,
@@ -184,9 +184,16 @@ impl Renderer {
                 ),
             ));
         }
-        self.last_index = index;
         self.context.retire.begin(index);
-        recorder(&self.context, &mut self.slots, &mut self.loaded)
+        let recorded = recorder(&self.context, &mut self.slots, &mut self.loaded);
+        match &recorded {
+            Ok(_) => self.last_index = index,
+            Err(_) => {
+                self.slots.abandon(index);
+                self.loaded.forget();
+            }
+        }
+        recorded
     }
 }
 

@@ -68,8 +68,9 @@ impl RayBasis {
         }
     }
 
-    /// The rays of a host's camera. Perspective (off-centre and infinite too) or orthographic; any handedness.
-    /// `None` when the matrices cannot be inverted.
+    /// The rays of a host's camera: from the eye, or from the near plane of an orthographic projection, which may lie behind
+    /// the eye. Perspective (off-centre and infinite too) or orthographic; any handedness. `None` when the matrices cannot
+    /// be inverted.
     pub(crate) fn from_matrices(
         view_from_world: DMat4,
         clip_from_view: DMat4,
@@ -85,9 +86,9 @@ impl RayBasis {
             let p = view_from_clip * DVec4::new(ndc_x, ndc_y, z, 1.0);
             p.truncate() / p.w
         };
-        let (near, far) = match depth {
-            DepthRange::Normal => (0.25, 0.75),
-            DepthRange::Reversed => (0.75, 0.25),
+        let (nearest, near, far) = match depth {
+            DepthRange::Normal => (0.0, 0.25, 0.75),
+            DepthRange::Reversed => (1.0, 0.75, 0.25),
         };
         // Along the axis, away from the eye.
         let forward = (point(0.0, 0.0, far).z - point(0.0, 0.0, near).z).signum();
@@ -99,7 +100,7 @@ impl RayBasis {
             let origin = if perspective {
                 DVec3::ZERO
             } else {
-                a - direction * (a.z * forward)
+                point(px, py, nearest)
             };
             (
                 world_from_view.transform_point3(origin),
@@ -121,6 +122,7 @@ impl RayBasis {
             basis.origin_dx,
             basis.origin_dy,
             basis.direction_dx,
+            basis.direction_dy,
         ]
         .iter()
         .all(|v| v.is_finite());

@@ -232,6 +232,9 @@ impl Session {
     pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
         self.renderer.set_settings(settings)?;
         self.samples = None;
+        if self.renderer.loaded().light_progress().0 == 0 {
+            self.times.restart_light();
+        }
         while !self.renderer.loaded().bricks_complete() {
             self.submit(Work::UploadsOnly)?;
         }

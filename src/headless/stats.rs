@@ -14,7 +14,8 @@ pub struct Stats {
     pub image: ImageStats,
     /// The last picture, from the start of recording to completion on the device, ms.
     pub frame_ms: f64,
-    /// GPU times of the passes of the last picture and of the last direction of light; empty without timestamps.
+    /// GPU times of the passes of the last direction of light, of the last picture and of the last bare march; empty
+    /// without timestamps.
     pub passes: Vec<PassStats>,
     /// Local ambient occlusion; `null` when it is off.
     pub lao: Option<LightStats>,
@@ -104,11 +105,19 @@ pub(super) struct Times {
     pub(super) frame_ms: f64,
     picture: Vec<PassTime>,
     light: Vec<PassTime>,
+    bare: Vec<PassTime>,
     light_ms: f64,
     light_directions: u32,
 }
 
 impl Times {
+    /// The light starts again: what its directions took before says nothing of those to come.
+    pub(super) fn restart_light(&mut self) {
+        self.light.clear();
+        self.light_ms = 0.0;
+        self.light_directions = 0;
+    }
+
     /// Takes the pass times of a completed submission.
     pub(super) fn add(&mut self, work: Work, times: Vec<PassTime>) {
         match work {
@@ -123,7 +132,8 @@ impl Times {
                 self.light_directions += 1;
                 self.light = times;
             }
-            Work::UploadsOnly | Work::Bare => {}
+            Work::Bare => self.bare = times,
+            Work::UploadsOnly => {}
         }
     }
 }
@@ -152,6 +162,7 @@ pub(super) fn of(
             .light
             .iter()
             .chain(&times.picture)
+            .chain(&times.bare)
             .map(|t| PassStats {
                 name: t.name,
                 gpu_ms: t.ms,

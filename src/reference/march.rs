@@ -107,7 +107,7 @@ pub fn march(setup: &Setup) -> Picture {
 ///
 /// A segment of length `d` has the opacity `alpha = 1 - (1-a)^(d/u)` and adds
 /// `(1-A) alpha (c I D + c_E)`: colour `c` and emission `c_E` of the transfer function, ambient light `I`,
-/// surface shading `D`. The ray ends with the segment after which `A` reaches `march.early_termination`.
+/// surface shading `D`; `c_E` counts only with `lighting.emission`. The ray ends with the segment after which `A` reaches `march.early_termination`.
 pub fn march_ray(setup: &Setup, ray: Ray, shift: f64) -> Pixel {
     // There is one of each yet; another one must not compile here unnoticed.
     let Classification::Post = setup.march.classification;
@@ -141,7 +141,12 @@ pub fn march_ray(setup: &Setup, ray: Ray, shift: f64) -> Pixel {
         let reflected = DVec3::from_array(optical.color)
             * ambient_light
             * surface_shading(&field, ix, ray.direction, setup.lighting);
-        let source = reflected + DVec3::from_array(optical.emission);
+        let emitted = if setup.lighting.emission {
+            DVec3::from_array(optical.emission)
+        } else {
+            DVec3::ZERO
+        };
+        let source = reflected + emitted;
         radiance += (1.0 - opacity) * alpha * source;
         opacity += (1.0 - opacity) * alpha;
         if opacity >= setup.depth_threshold && depth.is_infinite() {

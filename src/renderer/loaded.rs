@@ -174,13 +174,14 @@ impl Loaded {
         self.uploads.bricks_complete()
     }
 
-    fn reconstruction(&self) -> Reconstruction {
+    /// For a pass in which what emits does so with `emission`.
+    fn reconstruction(&self, emission: bool) -> Reconstruction {
         Reconstruction {
             nearest: self.settings.march.interpolation == Interpolation::Nearest,
             manual: self.images.manual_filter,
             inter_block: self.settings.march.inter_block_interpolation,
             skipping: self.settings.march.empty_space_skipping,
-            emission: self.settings.curve.emits(),
+            emission: emission && self.settings.curve.emits(),
             uniform_grid: self.residency.layout.is_grid() && self.uploads.bricks_complete(),
             exact_bins: self.table.has_exact_bins(sample_lengths(
                 &self.settings,
@@ -265,11 +266,10 @@ impl Loaded {
             .settings
             .ambient_occlusion
             .as_ref()
-            .is_some_and(|ao| ao.emission && self.settings.curve.emits());
+            .is_some_and(|ao| ao.emission);
         let reconstruction = Reconstruction {
             nearest: false,
-            emission,
-            ..self.reconstruction()
+            ..self.reconstruction(emission)
         };
         if !self.uploads.bricks_complete() {
             return Ok(());
@@ -319,7 +319,7 @@ impl Loaded {
         let params = self.frame_params(frame);
         let frame_uniforms = recorder.slot().uniforms(bytemuck::bytes_of(&params))?;
         let variant = MarchVariant {
-            reconstruction: self.reconstruction(),
+            reconstruction: self.reconstruction(self.settings.lighting.emission),
             light: self.light.is_some(),
             diffuse: self.settings.lighting.shading == Shading::Diffuse,
             jitter: self.settings.march.jitter,

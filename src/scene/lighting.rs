@@ -40,6 +40,9 @@ pub struct Lighting {
     pub ambient: f64,
     /// Share of light that follows Lambert's law, >= 0. Default 0.7.
     pub diffuse: f64,
+    /// Add the transfer function's emission to the picture. Off: tissue that emits is seen only by the light that it
+    /// casts on its surroundings, through ambient occlusion. Default on.
+    pub emission: bool,
 }
 
 impl Default for Lighting {
@@ -50,6 +53,7 @@ impl Default for Lighting {
             direction: None,
             ambient: 0.3,
             diffuse: 0.7,
+            emission: true,
         }
     }
 }

@@ -355,6 +355,20 @@ fn ambient_light() -> Vec<TestScene> {
         },
     ));
 
+    let volume = f32_blobs([24, 28, 27], turned);
+    let camera = perspective(&volume, [0.8, 0.9, 0.2], 2.8, 26.0);
+    scenes.push(test_scene(
+        "emission_in_light_only",
+        volume,
+        camera,
+        1.0,
+        glow(),
+        |scene| {
+            scene.ambient_occlusion = Some(small_sphere(12));
+            scene.lighting.emission = false;
+        },
+    ));
+
     let volume = f32_blobs([24, 33, 28], UNIT);
     let camera = orthographic(&volume, [0.8, -0.9, 0.6], 1.6);
     scenes.push(test_scene(

@@ -243,6 +243,26 @@ fn ambient_light_falls_on_color_and_not_on_emission() {
     }
 }
 
+/// What emits and is not to be seen still lights its surroundings, through the light volume.
+#[test]
+fn emission_can_be_left_out_of_the_picture() {
+    let (color, emission) = ([0.5, 0.4, 0.3], [0.1, 0.0, 0.2]);
+    let curve = curve(1.0, &[(0.0, color, 0.2, emission)]);
+    let mut tracer = Tracer::new(homogeneous(5, 1.0), curve, 0.5);
+    let rgb = [1.5, 1.25, 2.0];
+    tracer.light = Some(LightGrid::from_fn([5; 3], |_| Light { rgb, grey: 1.0 }));
+    tracer.lighting.emission = false;
+    let pixel = tracer.ray(DVec3::new(-1.0, 2.0, 2.0), DVec3::X);
+    let opacity = slab_opacity(0.2, 1.0, 4.0);
+    for channel in 0..3 {
+        assert_close(
+            pixel.rgba[channel],
+            color[channel] * rgb[channel] * opacity,
+            1e-14,
+        );
+    }
+}
+
 /// One opaque sample in the middle of a segment shows the light at that place.
 #[test]
 fn ambient_light_is_trilinear_between_voxels() {

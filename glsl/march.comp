@@ -10,6 +10,7 @@
 #include "classify.glsl"
 #include "skip.glsl"
 #include "shade.glsl"
+#include "composite.glsl"
 #include "random.glsl"
 #include "ray.glsl"
 #include "target.glsl"
@@ -33,13 +34,6 @@ layout(set = 0, binding = BINDING_TARGET) uniform writeonly image2D i_target;
 layout(set = 0, binding = BINDING_AUX, rgba32f) uniform writeonly image2D i_aux;
 layout(push_constant) uniform Push { MarchPush push; };
 
-struct Accumulated {
-    vec3 radiance;   // premultiplied
-    float opacity;
-    float depth_mm;  // of the first segment at which opacity reached the threshold; infinite: none
-    uint samples;
-};
-
 // Steps from the ray's origin to the host's geometry.
 float steps_to_scene(ivec2 px, Ray ray) {
     float depth = texelFetch(t_scene_depth, px, 0).r;
@@ -51,15 +45,6 @@ float steps_to_scene(ivec2 px, Ray ray) {
     float w = dot(frame.ix_from_clip_w, clip);
     vec3 p_ix = vec3(dot(frame.ix_from_clip_x, clip), dot(frame.ix_from_clip_y, clip), dot(frame.ix_from_clip_z, clip)) / w;
     return dot(p_ix - ray.origin_ix, ray.step_ix) / dot(ray.step_ix, ray.step_ix);
-}
-
-void composite(inout Accumulated acc, vec3 color, float alpha) {
-    // `precise`: variants of this pass must not differ in the last bit.
-    precise float weight = (1.0 - acc.opacity) * alpha;
-    precise vec3 radiance = acc.radiance + weight * color;
-    precise float opacity = acc.opacity + weight;
-    acc.radiance = radiance;
-    acc.opacity = opacity;
 }
 
 // Takes the sample of one segment; `shorter`: it may be shorter than a whole step.

@@ -61,6 +61,7 @@ vec4 light_along(vec3 p_ix, int level) {
     float unit_exponent = push.exponent_mm * (extent_mm / finest_parts);
     float share = finest_parts / float(parts);
 
+    float longest_step = max(abs(step_ix.x), max(abs(step_ix.y), abs(step_ix.z)));
     Gathered g = Gathered(1.0, 0.0, 0.0, vec3(0.0));
     uint m = 0u;
     while (m < parts && g.transparency >= DARK) {
@@ -71,11 +72,13 @@ vec4 light_along(vec3 p_ix, int level) {
             continue;
         }
         ivec3 block_bx = block_of(sample_ix);
-        Region region = region_at(sample_ix, block_bx);
+        uint distance = skip_distance(sample_ix);
         Brick brick = brick_fetch(block_bx);
-        if (region.empty || !brick.resident) {
-            uint run = samples_before(steps_to_border(sample_ix, step_ix, region.low_ix, region.high_ix));
-            run = min(run, parts - m);
+        if (distance > 0u || !brick.resident) {
+            // All within distance - 1 cells is empty too. (Where exactly the ray leaves that box is not worth finding out:
+            // rays are short.)
+            float reach = float(max(int(distance) - 1, 0) * SKIP_CELLS);
+            uint run = min(uint(max(reach / longest_step, 1.0)), parts - m);
             g.pending += float(run);
             m += run;
             continue;

@@ -31,6 +31,16 @@ uint samples_before(float steps) {
     return uint(clamp(ceil(steps - MARGIN_STEPS), 1.0, 1.0e9));
 }
 
+// Chessboard distance to the nearest cell that shows something, in cells; 0: this one does.
+uint skip_distance(vec3 p_ix) {
+    uint distance = 0u;
+    if (SKIPPING) {
+        distance = texelFetch(t_skip, skip_cell_of(p_ix), 0).r;
+        distance = distance == WHOLE_BLOCK ? 0u : distance;
+    }
+    return distance;
+}
+
 // What a ray meets at a point, and the box in which it goes on like that.
 struct Region {
     bool empty;

@@ -19,7 +19,8 @@ pub(crate) const GROUP: u32 = 4;
 /// Index into the table of bricks; group inside the brick, 8 bits an axis.
 pub(crate) type WorkEntry = [u32; 2];
 
-/// Work lists of the light passes.
+/// Work lists of the light passes; empty when there is no light.
+#[derive(Default)]
 pub(crate) struct LightWork {
     /// Bricks that the lists refer to.
     pub(crate) bricks: Vec<BrickRecord>,

@@ -17,10 +17,20 @@ pub(crate) struct Visibility {
 }
 
 impl Visibility {
-    pub(crate) fn new(store: &Store, residency: &Residency, table: &TransferTable) -> Self {
+    /// `lit`: light is wanted.
+    pub(crate) fn new(
+        store: &Store,
+        residency: &Residency,
+        table: &TransferTable,
+        lit: bool,
+    ) -> Self {
         let counts = residency.cells.counts();
         let occupancy = residency.cells.occupancy(|range| table.visible(range));
-        let light = LightWork::new(store.grid(), residency, counts, &occupancy);
+        let light = if lit {
+            LightWork::new(store.grid(), residency, counts, &occupancy)
+        } else {
+            LightWork::default()
+        };
         let mut distances = chessboard_distance(counts, &occupancy);
         mark_whole_blocks(store.grid(), counts, &mut distances);
         Self { distances, light }

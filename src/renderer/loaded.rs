@@ -50,8 +50,8 @@ impl Loaded {
         let store = Store::new(volume)?;
         let table = TransferTable::new(&settings.curve, SampleScale::of(&store.volume));
         let residency = choose(context, &store, &table, &settings)?;
-        let visibility = Visibility::new(&store, &residency, &table);
         let lit = settings.ambient_occlusion.is_some();
+        let visibility = Visibility::new(&store, &residency, &table, lit);
         let images = Images::new(context, NAME, &store, &residency, lit)?;
         let lists = LightLists::new(context, NAME, &visibility.light)?;
         let light = light_progress(&store, &settings);
@@ -117,8 +117,8 @@ impl Loaded {
         }
         // Everything that can fail comes first, so that an error leaves the old state in force.
         let current = residency.as_ref().unwrap_or(&self.residency);
-        let visibility = (reclassify || residency.is_some())
-            .then(|| Visibility::new(&self.store, current, &table));
+        let visibility = (reclassify || residency.is_some() || lit != was_lit)
+            .then(|| Visibility::new(&self.store, current, &table, lit));
         let images = (residency.is_some() || lit != was_lit)
             .then(|| Images::new(context, NAME, &self.store, current, lit))
             .transpose()?;

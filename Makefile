@@ -5,7 +5,7 @@
 help:
 	@echo 'make demo      render the CT in data/ into out/'
 	@echo 'make test      run every test'
-	@echo 'make figures   render examples/figures/ into docs/figures/'
+	@echo 'make figures   render docs/figures/ and measure docs/results.md'
 	@echo 'make bench     measure on this machine'
 	@echo 'make shaders   compile glsl/ into spirv/ (needs glslc)'
 	@echo

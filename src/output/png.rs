@@ -3,7 +3,8 @@
 use std::io::{Cursor, Write};
 use std::path::Path;
 
-use image::{ExtendedColorType, ImageEncoder, ImageError, codecs::png::PngEncoder};
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder, ImageError};
 
 use super::{Provenance, atomic};
 use crate::error::{Error, Result};
@@ -53,7 +54,9 @@ fn encode(picture: &Picture, image: &Image) -> Result<Vec<u8>, ImageError> {
     };
     let [width, height] = picture.size;
     let mut encoded = Cursor::new(Vec::new());
-    PngEncoder::new(&mut encoded).write_image(&samples, width, height, color_type)?;
+    let (compression, filter) = (CompressionType::Best, FilterType::Adaptive);
+    let encoder = PngEncoder::new_with_quality(&mut encoded, compression, filter);
+    encoder.write_image(&samples, width, height, color_type)?;
     Ok(encoded.into_inner())
 }
 

@@ -78,7 +78,7 @@ impl Scene {
         let name = path.to_string_lossy();
         let value = json!({
             "volume": { "path": name },
-            "lighting": { "shading": "diffuse" },
+            "lighting": { "shading": "diffuse", "ambient": 0.6, "diffuse": 1.0 },
             "ambient_occlusion": {},
         });
         let mut scene = Self::from_value(value, overrides)?;

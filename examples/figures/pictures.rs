@@ -1,0 +1,101 @@
+//! The pictures: a scene each, with what it changes.
+
+use std::path::Path;
+
+use umbravox::headless::Headless;
+use umbravox::scene::{Override, Scene};
+use umbravox::{Result, output};
+
+use crate::{Loaded, load, picture};
+
+const SYNTHETIC: &str = "examples/synthetic.json";
+const AORTA: &str = "examples/aorta.json";
+
+/// A picture in `docs/figures/`.
+struct Figure {
+    name: &'static str,
+    scene: &'static str,
+    overrides: &'static [&'static str],
+}
+
+const fn figure(
+    name: &'static str,
+    scene: &'static str,
+    overrides: &'static [&'static str],
+) -> Figure {
+    Figure {
+        name,
+        scene,
+        overrides,
+    }
+}
+
+const DIFFUSE: &str =
+    r#"lighting={"shading":"diffuse","direction":[-0.5,-0.6,0.8],"ambient":0.15,"diffuse":0.85}"#;
+const HEADLIGHT: &str = r#"lighting={"shading":"diffuse","ambient":0.1,"diffuse":0.9}"#;
+const NO_EMISSION: &str = "lighting.emission=false";
+const TO_THE_LIGHT: &str = r#"ambient_occlusion={"explicit_directions":[[-0.5,-0.6,0.8]],"radius":24,"bias":0.08,"emission":false}"#;
+/// The light and seven directions 48 degrees around it.
+const AROUND_THE_LIGHT: &str = r#"ambient_occlusion={"radius":24,"bias":0.08,"emission":false,"explicit_directions":
+    [[-0.5,-0.6,0.8], [-0.87,0.12,0.48], [-0.92,-0.38,0.07], [-0.5,-0.86,-0.03], [0.07,-0.96,0.25], [0.36,-0.61,0.7], [0.16,-0.07,0.98], [-0.39,0.26,0.88]]}"#;
+const UNSHADED: &str = "lighting.shading=none";
+const SMALL: &str = "image.size=[280,280]";
+const CLOSE_UP: &str = "camera.zoom=3.2";
+
+const FIGURES: &[Figure] = &[
+    figure(
+        "fig3_diffuse",
+        SYNTHETIC,
+        &["ambient_occlusion=null", DIFFUSE, NO_EMISSION],
+    ),
+    figure(
+        "fig3_one_direction",
+        SYNTHETIC,
+        &[NO_EMISSION, TO_THE_LIGHT],
+    ),
+    figure(
+        "fig3_eight_directions",
+        SYNTHETIC,
+        &[NO_EMISSION, AROUND_THE_LIGHT],
+    ),
+    figure(
+        "fig4_march",
+        SYNTHETIC,
+        &["ambient_occlusion.emission=false"],
+    ),
+    figure("fig4_light", SYNTHETIC, &["lighting.emission=false"]),
+    figure("fig4_both", SYNTHETIC, &[]),
+    figure(
+        "fig8_diffuse",
+        AORTA,
+        &[SMALL, "ambient_occlusion=null", HEADLIGHT],
+    ),
+    figure("fig8_lao", AORTA, &[SMALL, UNSHADED]),
+    figure(
+        "fig8_diffuse_close",
+        AORTA,
+        &[SMALL, CLOSE_UP, "ambient_occlusion=null", HEADLIGHT],
+    ),
+    figure("fig8_lao_close", AORTA, &[SMALL, CLOSE_UP, UNSHADED]),
+    figure("aorta", AORTA, &["image.size=[400,400]"]),
+];
+
+/// Renders those whose name holds `only` into `folder`.
+///
+/// # Errors
+/// When a scene, a volume or the device fails.
+pub(crate) fn render(headless: &Headless, folder: &Path, only: &str) -> Result<()> {
+    for figure in FIGURES.iter().filter(|f| f.name.contains(only)) {
+        let overrides = figure
+            .overrides
+            .iter()
+            .map(|text| Override::parse(text))
+            .collect::<Result<Vec<_>>>()?;
+        let scene = Scene::read(Path::new(figure.scene), &overrides)?;
+        let Loaded { mut session, .. } = load(headless, &scene)?;
+        let path = folder.join(format!("{}.png", figure.name));
+        output::write(&path, &picture(&mut session)?, &scene.image, &[])?;
+        println!("{}", path.display());
+    }
+    Ok(())
+}

@@ -17,7 +17,7 @@ struct Classified {
 float opacity_over(float opacity, float exponent) {
     float extinction = opacity < 0.03
         ? opacity * (1.0 + opacity * (0.5 + opacity * (0.333333333 + opacity * (0.25 + opacity * 0.2))))
-        : -log(max(1.0 - opacity, 1e-37));
+        : opacity < 1.0 ? -log(1.0 - opacity) : 1e30; // opaque is opaque at any length
     float depth = extinction * exponent;
     return depth < 0.03
         ? depth * (1.0 - depth * (0.5 - depth * (0.166666667 - depth * 0.041666667)))

@@ -5,7 +5,7 @@ struct Ray {
     vec3 step_ix;       // one step
     vec3 direction_ws;  // unit
     float enter;        // steps from the eye to `origin_ix`
-    float extent;       // steps from there to the exit; <= 0: the field is missed
+    float extent;       // steps from there to the exit; < 0: the field is missed
 };
 
 // One piece of the ray: sampled at its middle.
@@ -33,14 +33,14 @@ Ray ray_through(vec2 pixel, FrameParams f, vec3 field_ix) {
     vec3 far = max(a, b);
     ray.enter = max(max(near.x, near.y), max(near.z, 0.0));
     float exit = min(far.x, min(far.y, far.z));
-    ray.extent = any(beside) ? 0.0 : exit - ray.enter;
+    ray.extent = any(beside) ? -1.0 : exit - ray.enter;
     ray.origin_ix = clamp(eye + ray.enter * ray.step_ix, vec3(0.0), field_ix);
     return ray;
 }
 
 // Segments of a ray whose first one is shortened by `shift` in [0, 1) of a step.
 uint segment_count(Ray ray, float shift) {
-    return uint(max(ceil(ray.extent + shift - SHORTEST_SEGMENT), 0.0));
+    return ray.extent < 0.0 ? 0u : uint(max(ceil(ray.extent + shift - SHORTEST_SEGMENT), 0.0));
 }
 
 Segment segment_of(uint i, uint count, float ray_extent, float shift) {

@@ -2,8 +2,9 @@
 //! of the camera while frames are in flight, one volume dropped in mid-flight while the other goes on, and an orderly end.
 
 use ash::vk;
-use umbravox::embed::Background;
+use umbravox::embed::{Background, Context, Renderer};
 use umbravox::gpu::HostMemory;
+use umbravox::headless::{Headless, Session};
 use umbravox::scene::View;
 
 use crate::camera::{DepthKind, HostCamera};
@@ -15,6 +16,17 @@ const RGBA8: vk::Format = vk::Format::R8G8B8A8_UNORM;
 const RGBA16F: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 const RGBA32F: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 const FLOAT_TOLERANCE: f64 = 1e-5;
+
+/// Renderers move to the thread that records; contexts are shared between threads.
+#[test]
+fn threads_may_share_contexts_and_take_renderers() {
+    fn shared<T: Send + Sync>() {}
+    fn moved<T: Send>() {}
+    shared::<Context>();
+    moved::<Renderer>();
+    moved::<Headless>();
+    moved::<Session>();
+}
 
 fn look(view: &View, size: [u32; 2]) -> Look {
     Look {

@@ -1,0 +1,99 @@
+//! What changes no bit of a picture: skipping, tiles, memory, repetition, a session beside it.
+
+use umbravox::headless::Headless;
+use umbravox::picture::Picture;
+
+use crate::random::subject;
+use crate::sessions::{Subject, assert_valid, device, shown};
+
+/// Random scenes.
+const CASES: u64 = 64;
+/// Edges of tiles, pixels; the pictures are smaller than the last.
+const TILES: [u32; 4] = [8, 16, 24, 64];
+
+/// Radiance, opacity and depth of every pixel, bit by bit.
+fn bits(picture: &Picture) -> Vec<[u32; 5]> {
+    let pixels = picture.rgba.iter().zip(&picture.depth);
+    pixels
+        .map(|(&[r, g, b, a], &depth)| [r, g, b, a, depth].map(f32::to_bits))
+        .collect()
+}
+
+/// Number of pixels that differ.
+fn differing(a: &Picture, b: &Picture) -> usize {
+    let (a, b) = (bits(a), bits(b));
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(&b).filter(|(a, b)| a != b).count()
+}
+
+fn without_skipping(subject: &Subject) -> Subject {
+    subject.with(|scene| scene.march.empty_space_skipping = false)
+}
+
+/// What is compared, besides skipping, in turn.
+fn variants() -> Vec<(String, Headless)> {
+    let mut variants = vec![("run to run".to_owned(), device(|_| {}))];
+    variants.extend(TILES.map(|tile| {
+        let device = device(|options| options.tile = Some(tile));
+        (format!("tiles of {tile}"), device)
+    }));
+    #[cfg(feature = "vk-mem")]
+    {
+        let vma = device(|options| options.memory = umbravox::headless::MemoryChoice::Vma);
+        variants.push(("vma".into(), vma));
+    }
+    variants
+}
+
+#[test]
+fn pictures_depend_on_the_scene_alone() {
+    let plain = device(|_| {});
+    let variants = variants();
+    let mut complaints = Vec::new();
+    let (mut visible, mut skipped, mut lit) = (0, 0, 0);
+    for seed in 0..CASES {
+        let subject = subject(seed);
+        let mut session = subject.session(&plain);
+        let expected = session.frame().unwrap();
+        // Both sessions live on one device.
+        let mut other = without_skipping(&subject).session(&plain);
+        let unskipped = other.frame().unwrap();
+        if subject.scene.ambient_occlusion.is_some() {
+            lit += 1;
+            let light = [&mut session, &mut other].map(|s| s.light_volume().unwrap().rgba);
+            if light[0] != light[1] {
+                complaints.push(format!("case {seed}: light differs without skipping"));
+            }
+        }
+        let mut compare = |name: &str, picture: &Picture| {
+            let pixels = differing(picture, &expected);
+            if pixels > 0 {
+                complaints.push(format!("case {seed}, {name}: {pixels} pixels differ"));
+            }
+        };
+        compare("skipping off", &unskipped);
+        compare("again", &session.frame().unwrap());
+        let (name, device) = &variants[seed as usize % variants.len()];
+        compare(name, &subject.picture(device));
+        if subject.scene.storage.data_reduction == 1.0 {
+            let mut settings = session.settings().clone();
+            settings.storage.memory_budget_mib = 1e5;
+            session.set_settings(settings).unwrap();
+            compare("ample memory", &session.frame().unwrap());
+        }
+        visible += usize::from(shown(&expected) > 1.0);
+        let count = |picture: &Picture| picture.samples.iter().sum::<u32>();
+        skipped += usize::from(count(&expected) < count(&unskipped));
+    }
+    println!("{CASES} cases: {visible} visible, {skipped} with skipped samples, {lit} lit");
+    for (_, device) in &variants {
+        assert_valid(device);
+    }
+    assert_valid(&plain);
+    assert!(complaints.is_empty(), "\n{}", complaints.join("\n"));
+    let most = CASES as usize;
+    assert!(
+        visible > most / 2 && skipped > most / 4 && lit > most / 5,
+        "the cases are about something"
+    );
+}

@@ -1,0 +1,12 @@
+//! What must hold for every scene on the GPU: what changes no pixel, closed forms, levels that agree, light that follows
+//! settings and never the camera. Every device validates, and any message is an error.
+
+mod analytic;
+mod bits;
+#[path = "../common/fields.rs"]
+mod fields;
+mod levels;
+mod light;
+mod limits;
+mod random;
+mod sessions;

@@ -54,12 +54,11 @@ void gather(inout Gathered g, float opacity, vec3 emission) {
 // Light from one direction: rgb with emission, a without. Outside the field nothing absorbs or emits.
 vec4 light_along(vec3 p_ix, int level) {
     float extent_mm = push.radius_mm - push.offset_mm;
-    float finest_parts = max(ceil(extent_mm / push.step_mm - 1e-4), 1.0);
-    uint parts = uint(max(ceil(extent_mm / (push.step_mm * step_growth(level)) - 1e-4), 1.0));
+    uint parts = uint(max(ceil(push.parts / step_growth(level) - 1e-4), 1.0));
     vec3 step_ix = push.direction_ix * (extent_mm / float(parts));
     vec3 start_ix = p_ix + push.direction_ix * push.offset_mm;
-    float unit_exponent = push.exponent_mm * (extent_mm / finest_parts);
-    float share = finest_parts / float(parts);
+    float unit_exponent = push.exponent_mm * (extent_mm / push.parts);
+    float share = push.parts / float(parts);
 
     float longest_step = max(abs(step_ix.x), max(abs(step_ix.y), abs(step_ix.z)));
     Gathered g = Gathered(1.0, 0.0, 0.0, vec3(0.0));

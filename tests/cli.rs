@@ -253,6 +253,14 @@ fn bad_outputs_are_refused_before_rendering() {
             "a.png: is given twice; give each output once",
         ),
         (
+            &["-o", "a.png", "-o", "./a.png"],
+            "./a.png: is given twice; give each output once",
+        ),
+        (
+            &["-o", "a.png", "--stats", "a.png"],
+            "a.png: is given twice; give each output once",
+        ),
+        (
             &["-o", "a.png", "--stats", "none/s.json"],
             "none/s.json: there is no folder none; create it first",
         ),
@@ -480,6 +488,18 @@ fn number_patterns_show_the_light_refine() {
 }
 
 #[test]
+fn data_files_of_the_input_are_not_overwritten() {
+    let place = Workplace::new();
+    let header = "NRRD0004\ntype: int16\ndimension: 3\nsizes: 20 18 16\nendian: little\nencoding: raw\ndata file: data.nrrd\n";
+    fs::write(place.path("ball.nhdr"), header).unwrap();
+    fs::copy(place.path("ball.raw"), place.path("data.nrrd")).unwrap();
+    let message = place.refuse(&["light", "ball.nhdr", "-o", "data.nrrd"]);
+    assert_eq!(message, "data.nrrd: is also an input; give another file");
+    let voxels = fs::read(place.path("ball.raw")).unwrap();
+    assert_eq!(fs::read(place.path("data.nrrd")).unwrap(), voxels);
+}
+
+#[test]
 fn tiles_change_no_pixel() {
     let place = Workplace::new();
     place.succeed(&["render", "scene.json", "-o", "a.exr"]);
@@ -493,6 +513,15 @@ fn tiles_change_no_pixel() {
         "--no-pipeline-cache",
     ]);
     assert!(fs::read(place.path("a.exr")).unwrap() == fs::read(place.path("b.exr")).unwrap());
+    place.succeed(&[
+        "render",
+        "scene.json",
+        "-o",
+        "c.exr",
+        "--tile",
+        "4294967295",
+    ]);
+    assert!(fs::read(place.path("a.exr")).unwrap() == fs::read(place.path("c.exr")).unwrap());
 }
 
 #[test]

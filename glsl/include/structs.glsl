@@ -62,7 +62,7 @@ struct LightPush {
     vec3 direction_ix;   // index units per mm
     float offset_mm;
     float radius_mm;
-    float step_mm;       // largest sample distance at the finest level
+    float parts;         // samples of a ray at the finest level
     float exponent_mm;   // gamma / unit distance
     float weight;
     uint ray;            // rays already in the mean

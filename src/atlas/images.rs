@@ -73,6 +73,13 @@ impl Images {
         };
         let sampled = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
         let format = voxel_format(store.volume.voxels().voxel_type());
+        if !context.can_sample(format) {
+            return Err(Error::Unsupported {
+                device: context.capabilities().name.clone(),
+                need: format!("sampling of {format:?} (the volume's voxels)"),
+                have: "no such format".into(),
+            });
+        }
         let extent = residency.layout.extent();
         Ok(Self {
             atlas: volume_image("atlas", extent, format, sampled)?,

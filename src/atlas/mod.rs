@@ -1,7 +1,7 @@
 //! The volume on the device: transfer-function table, resident bricks, skip cells, light, and what has to be uploaded when.
 //!
-//! Three things change at different times, and each has a type: [`store::Store`] with the data, [`residency::Residency`] with
-//! the choice of levels, [`visibility::Visibility`] with the transfer function. [`images::Images`] holds their device side.
+//! Three things change at different times, and each has a type: [`Store`] with the data, [`Residency`] with
+//! the choice of levels, [`Visibility`] with the transfer function. [`Images`] holds their device side.
 
 mod images;
 mod light_work;

@@ -110,6 +110,19 @@ impl Buffer {
         Ok(unsafe { std::slice::from_raw_parts_mut(pointer, self.bytes as usize) })
     }
 
+    /// One 32-bit word, which the device may be writing at this moment.
+    pub(super) fn read_word(&self, word: usize) -> Result<u32> {
+        let pointer = self.mapped_pointer()?.cast::<u32>();
+        assert!(
+            4 * (word as u64 + 1) <= self.bytes,
+            "{} holds word {word}",
+            self.name
+        );
+        // SAFETY: inside the mapped block (asserted) and aligned, as device memory and every allocation in it are. Volatile,
+        // without a reference, because the device writes whole words meanwhile.
+        Ok(unsafe { pointer.add(word).read_volatile() })
+    }
+
     /// The host's view for reading, after the frame that wrote it has completed.
     pub(crate) fn mapped(&self) -> Result<&[u8]> {
         let pointer = self.mapped_pointer()?;

@@ -75,8 +75,6 @@ pub struct Capabilities {
     pub max_extent_2d: u32,
     /// Largest storage buffer, bytes.
     pub max_storage_bytes: u64,
-    /// Most workgroups of a dispatch on x.
-    pub max_groups_x: u32,
     /// Nanoseconds of a timestamp tick; `None` where the queue has no timestamps.
     pub timestamp_ns: Option<f64>,
     /// Bits of a timestamp that count.
@@ -137,7 +135,6 @@ impl Capabilities {
             max_extent_3d: properties.limits.max_image_dimension3_d,
             max_extent_2d: properties.limits.max_image_dimension2_d,
             max_storage_bytes: properties.limits.max_storage_buffer_range.into(),
-            max_groups_x: properties.limits.max_compute_work_group_count[0],
             timestamp_ns: (bits > 0).then_some(f64::from(properties.limits.timestamp_period)),
             timestamp_mask: if bits >= 64 {
                 u64::MAX

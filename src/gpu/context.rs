@@ -122,16 +122,26 @@ impl Context {
         unsafe { self.retire.collect(self, completed) };
     }
 
+    /// True when images of `format` can be uploaded to and sampled.
+    pub(crate) fn can_sample(&self, format: vk::Format) -> bool {
+        self.format_has(
+            format,
+            vk::FormatFeatureFlags::SAMPLED_IMAGE | vk::FormatFeatureFlags::TRANSFER_DST,
+        )
+    }
+
     /// True when images of `format` can be sampled with a linear filter.
     pub(crate) fn filters_linearly(&self, format: vk::Format) -> bool {
+        self.format_has(format, vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR)
+    }
+
+    fn format_has(&self, format: vk::Format, features: vk::FormatFeatureFlags) -> bool {
         // SAFETY: the physical device belongs to the instance, both alive by the contract of `from_host`.
         let properties = unsafe {
             self.instance
                 .get_physical_device_format_properties(self.physical_device, format)
         };
-        properties
-            .optimal_tiling_features
-            .contains(vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR)
+        properties.optimal_tiling_features.contains(features)
     }
 
     pub(crate) fn vulkan_error(
@@ -192,6 +202,10 @@ impl Context {
                 bytes: requirements.size,
                 detail,
             })?;
+        debug_assert!(
+            block.size >= requirements.size,
+            "{name}: the memory back end gave too little"
+        );
         self.allocated.fetch_add(block.size, Ordering::Relaxed);
         Ok(block)
     }

@@ -158,8 +158,19 @@ impl FrameSlot {
             return;
         }
         let device = &self.context.device;
+        let before = vk::PipelineStageFlags::COMPUTE_SHADER | vk::PipelineStageFlags::TRANSFER;
         // SAFETY: this function's contract; each pass has a word and two queries of its own.
         unsafe {
+            // The mark waits for the passes before, or it would not tell which one hangs.
+            device.cmd_pipeline_barrier(
+                cmd,
+                before,
+                vk::PipelineStageFlags::TRANSFER,
+                vk::DependencyFlags::empty(),
+                &[],
+                &[],
+                &[],
+            );
             device.cmd_fill_buffer(cmd, self.markers.handle(), 4 * index as u64, 4, 1);
             if self.queries != vk::QueryPool::null() {
                 device.cmd_write_timestamp(
@@ -224,10 +235,8 @@ impl FrameSlot {
 
     /// The last pass of this frame that is known to have started.
     fn last_started(&self) -> Option<&'static str> {
-        let words = self.markers.mapped().ok()?;
-        let started = words
-            .chunks_exact(4)
-            .take_while(|w| w.iter().any(|&b| b != 0))
+        let started = (0..MAX_PASSES)
+            .take_while(|&word| self.markers.read_word(word).is_ok_and(|w| w != 0))
             .count();
         started
             .checked_sub(1)

@@ -119,22 +119,21 @@ impl Instance {
                 "Vulkan cannot start: {e}. A driver may be missing; on Debian and Ubuntu: apt-get install mesa-vulkan-drivers"
             ))
         })?;
-        let messenger = if validation {
-            let functions = ext::debug_utils::Instance::new(&entry, &handle);
-            let info = self::messenger_info(&messages);
+        let mut instance = Self {
+            entry,
+            handle,
+            messenger: None,
+            messages,
+        };
+        if validation {
+            let functions = ext::debug_utils::Instance::new(&instance.entry, &instance.handle);
+            let info = self::messenger_info(&instance.messages);
             // SAFETY: the extension is enabled; the messages outlive the messenger (destroyed in Drop before them).
             let messenger = unsafe { functions.create_debug_utils_messenger(&info, None) }
                 .map_err(|e| vulkan("vkCreateDebugUtilsMessengerEXT", e))?;
-            Some((functions, messenger))
-        } else {
-            None
-        };
-        Ok(Self {
-            entry,
-            handle,
-            messenger,
-            messages,
-        })
+            instance.messenger = Some((functions, messenger));
+        }
+        Ok(instance)
     }
 
     /// Every physical device with its compute queue family, capabilities and version.

@@ -3,6 +3,7 @@
 use half::f16;
 
 use crate::atlas::{GROUP, LightWork};
+use crate::error::{Error, Result};
 use crate::renderer::Loaded;
 use crate::volume::blocks::BLOCK_CELLS;
 
@@ -16,14 +17,24 @@ pub struct LightVolume {
 }
 
 /// Reads the light of every voxel out of the packed volume (four f16 bits a texel).
-pub(super) fn unpack(loaded: &Loaded, texels: &[[u16; 4]]) -> LightVolume {
+///
+/// # Errors
+/// [`Error::OutOfMemory`] when the host has no room for 16 bytes a voxel.
+pub(super) fn unpack(loaded: &Loaded, texels: &[[u16; 4]]) -> Result<LightVolume> {
     let volume = &loaded.store().volume;
     let size = volume.size();
     let bias = loaded.light_bias();
-    let mut light = LightVolume {
-        size,
-        rgba: vec![[0.0; 4]; size.iter().map(|&n| n as usize).product()],
-    };
+    let count = size.iter().map(|&n| n as usize).product();
+    let mut rgba = Vec::new();
+    rgba.try_reserve_exact(count)
+        .map_err(|e| Error::OutOfMemory {
+            heap: "host",
+            what: "light volume".into(),
+            bytes: 16 * count as u64,
+            detail: e.to_string(),
+        })?;
+    rgba.resize(count, [0.0; 4]);
+    let mut light = LightVolume { size, rgba };
     let atlas = loaded.images().light.extent();
     let grid = loaded.store().grid();
     let work = &loaded.visibility().light;
@@ -58,7 +69,7 @@ pub(super) fn unpack(loaded: &Loaded, texels: &[[u16; 4]]) -> LightVolume {
             }
         }
     }
-    light
+    Ok(light)
 }
 
 /// By brick: bit `x + 5 (y + 5 z)` for each group that holds light.

@@ -284,10 +284,7 @@ impl Session {
     pub fn light_volume(&mut self) -> Result<LightVolume> {
         while self.refine_light()? {}
         let atlas = self.read_back(&self.renderer.loaded().images().light, 8)?;
-        Ok(light_volume::unpack(
-            self.renderer.loaded(),
-            bytemuck::cast_slice(&atlas),
-        ))
+        light_volume::unpack(self.renderer.loaded(), bytemuck::cast_slice(&atlas))
     }
 
     /// Statistics of the last picture and of the light so far. Reads the sample counts back where no picture was.
@@ -359,6 +356,11 @@ impl Session {
             index = recording.index();
             record_owned(&mut self.renderer, recording, &frame, &self.target, work)
         });
+        drop(device);
+        if submitted.is_err() {
+            // Recorded or not, it has not run.
+            self.renderer.restart();
+        }
         let report = submitted.map_err(|e| match e {
             Error::DeviceLost { .. } => Error::DeviceLost {
                 last_pass: self.renderer.last_pass().map(str::to_owned),

@@ -3,7 +3,7 @@
 //! Reads   atlas, index, skip, transfer (SampledRead), brick table and work lists (storage buffers the host wrote)
 //! Writes  the light volume (Storage: a running mean, so each direction reads what the last one wrote)
 //! Grid    one workgroup for 4x4x4 samples of a brick; a second pass for samples that bricks share
-//! Method  Hernell, Ljung, Ynnerman 2007, eq. 1-5; models.md 1
+//! Method  Hernell, Ljung, Ynnerman 2007, eq. 1-5
 //! Limits  a dispatch takes at most `GROUPS_A_DISPATCH` groups
 //! Twin    src/reference/light.rs
 

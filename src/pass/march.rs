@@ -3,7 +3,7 @@
 //! Reads   atlas, index, skip, transfer (SampledRead), light (SampledGeneral), the host's depth
 //! Writes  the target (Storage; read too when it is blended over), depth and sample counts (Storage)
 //! Grid    one workgroup for 8x8 pixels, one dispatch a tile
-//! Method  emission-absorption with exact opacity correction, models.md 0; skipping by chessboard distances
+//! Method  emission-absorption with exact opacity correction; skipping by chessboard distances
 //! Limits  a dispatch is one tile; its size is chosen so that no dispatch runs long, and changes no pixel
 //! Twin    src/reference/march.rs
 

@@ -27,7 +27,7 @@ impl LightProgress {
                 direction_ix: [0.0; 3],
                 offset_mm: (ao.offset * voxel_mm) as f32,
                 radius_mm: (ao.radius * voxel_mm) as f32,
-                step_mm: (ao.step * voxel_mm) as f32,
+                parts: ao.samples_per_ray() as f32,
                 exponent_mm: (ao.gamma / curve.unit_distance) as f32,
                 weight: 1.0,
                 ray: 0,

@@ -110,8 +110,9 @@ impl Renderer {
     ///
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Unsupported`] for extents beyond the device's limits, [`Error::Invalid`] for settings
-    /// that no residency satisfies.
+    /// that are out of range ([`Settings::validate`]) or that no residency satisfies.
     pub fn new(context: &Arc<Context>, volume: Arc<Volume>, settings: Settings) -> Result<Self> {
+        settings.validate()?;
         Ok(Self {
             context: context.clone(),
             slots: FrameSlots::default(),
@@ -136,12 +137,13 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::new`]; the old settings stay in force then.
     pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
+        settings.validate()?;
         self.loaded.set_settings(&self.context, settings)
     }
 
     /// Largest edge of a dispatch's tile, pixels; a multiple of 8. Changes no pixel.
     pub fn set_tile(&mut self, tile: Option<u32>) {
-        self.loaded.tile = tile.map(|t| t.max(8).next_multiple_of(8));
+        self.loaded.tile = tile.map(|t| t.clamp(8, 8192).next_multiple_of(8));
     }
 
     /// GPU times (ms) of the passes of the newest frame known to have completed; empty where the device has no timestamps.
@@ -165,6 +167,12 @@ impl Renderer {
 
     pub(crate) fn pass_times_of(&self, index: u64) -> Vec<PassTime> {
         self.slots.times_of(index)
+    }
+
+    /// Uploads and traces everything again from the next frame on: for a host that recorded a frame and then did not submit it.
+    pub fn restart(&mut self) {
+        self.slots.abandon(self.last_index);
+        self.loaded.forget();
     }
 
     /// Checks the frame numbers and hands out what recording needs. A frame that fails does not count: the next one starts over.

@@ -40,6 +40,21 @@ impl Settings {
         })
     }
 
+    /// Checks every range, as for a scene file.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::Invalid`] names the setting by its scene key.
+    pub fn validate(&self) -> Result<()> {
+        self.curve.validate()?;
+        self.march.validate()?;
+        self.lighting.validate()?;
+        self.storage.validate()?;
+        match &self.ambient_occlusion {
+            Some(ao) => ao.validate(),
+            None => Ok(()),
+        }
+    }
+
     /// True when the light volume of `self` is still right under `other`, given equal levels.
     pub(super) fn same_light(&self, other: &Self) -> bool {
         // The bias is added when light is used; everything else goes into the volume.

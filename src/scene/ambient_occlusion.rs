@@ -50,10 +50,16 @@ impl Default for AmbientOcclusion {
     }
 }
 
+/// Share of a sample by which a ray may be too long for a whole number of them.
+const ROUNDING: f64 = 1e-6;
+
 impl AmbientOcclusion {
     /// Samples on a ray of the finest level, `M`.
     pub fn samples_per_ray(&self) -> u32 {
-        ((self.radius - self.offset) / self.step).ceil().max(1.0) as u32
+        // Lengths in decimals are rarely a whole number of steps in binary: 1.2 / 0.4 is above 3.
+        (((self.radius - self.offset) / self.step) - ROUNDING)
+            .ceil()
+            .max(1.0) as u32
     }
 
     /// The unit directions and their weights, in the order in which they are traced.

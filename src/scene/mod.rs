@@ -29,7 +29,7 @@ pub use presets::{PRESETS, Preset};
 pub use schema::schema;
 pub use storage::Storage;
 pub use transfer_function::{ControlPoint, Curve, CurvePoint, Optical, TransferFunction};
-pub use validate::{MAX_IMAGE_SIZE, MAX_RAYS, MAX_SAMPLES_PER_RAY, MIN_STEP};
+pub use validate::{MAX_EMISSION, MAX_IMAGE_SIZE, MAX_RAYS, MAX_SAMPLES_PER_RAY, MIN_STEP};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -15,6 +15,10 @@ pub const MIN_STEP: f64 = 0.001;
 pub const MAX_RAYS: u32 = 65_536;
 /// Most samples on one ambient occlusion ray.
 pub const MAX_SAMPLES_PER_RAY: u32 = 65_536;
+/// Largest emission of a scene file, display value. Decoded it is 16320: half floats, which hold the light, end at 65504.
+pub const MAX_EMISSION: f64 = 60.0;
+/// Largest linear emission.
+const MAX_LINEAR_EMISSION: f64 = 30_000.0;
 
 impl Scene {
     /// Checks every range. What parses from a scene file has passed; call it on a scene that code has put together.
@@ -23,10 +27,7 @@ impl Scene {
     /// [`Error::Invalid`] naming the first key that is out of range, its value and what would be valid.
     pub fn validate(&self) -> Result<()> {
         if self.volume.path.as_os_str().is_empty() {
-            return Err(Error::invalid(
-                "volume.path",
-                "empty; give a file or folder",
-            ));
+            return Err(Error::invalid("volume.path", "empty; give a file"));
         }
         if let Some(raw) = &self.volume.raw {
             check_raw(raw)?;
@@ -317,12 +318,71 @@ impl TransferFunction {
                 "a number from 0 to 1",
             )?;
             require(
-                point.emission.into_iter().all(not_negative),
+                point
+                    .emission
+                    .into_iter()
+                    .all(|e| not_negative(e) && e <= MAX_EMISSION),
                 &at("emission"),
                 numbers(point.emission),
-                "three finite numbers >= 0",
+                &format!("three numbers from 0 to {MAX_EMISSION}"),
             )?;
         }
         Ok(())
     }
+}
+
+/// What engines build without a scene file is checked by the same rules.
+macro_rules! validate_by {
+    ($($part:ty => $check:ident),+ $(,)?) => {
+        $(impl $part {
+            /// Checks the range of every field.
+            ///
+            /// # Errors
+            /// [`crate::error::Error::Invalid`] names the field by its scene key.
+            pub fn validate(&self) -> Result<()> {
+                $check(self)
+            }
+        })+
+    };
+}
+
+validate_by! {
+    March => check_march,
+    Lighting => check_lighting,
+    AmbientOcclusion => check_occlusion,
+    Storage => check_storage,
+    super::Curve => check_curve,
+}
+
+fn check_curve(curve: &super::Curve) -> Result<()> {
+    let at = |key: &str| format!("transfer_function.{key}");
+    require(
+        positive(curve.unit_distance),
+        &at("unit_distance"),
+        Number(curve.unit_distance),
+        "a number > 0 (mm)",
+    )?;
+    require(
+        !curve.points.is_empty() && curve.points.windows(2).all(|p| p[0].value <= p[1].value),
+        &at("points"),
+        format_args!("a list of {}", curve.points.len()),
+        "at least one point, by value ascending",
+    )?;
+    for (i, point) in curve.points.iter().enumerate() {
+        let optical = &point.optical;
+        let valid = finite(point.value)
+            && is_share(optical.opacity)
+            && optical.color.into_iter().all(not_negative)
+            && optical
+                .emission
+                .into_iter()
+                .all(|e| not_negative(e) && e <= MAX_LINEAR_EMISSION);
+        require(
+            valid,
+            &at(&format!("points.{i}")),
+            optical,
+            "a finite value, opacity from 0 to 1, colours >= 0, emission within what a light volume of half floats holds",
+        )?;
+    }
+    Ok(())
 }

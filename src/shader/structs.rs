@@ -120,8 +120,8 @@ gpu_struct! {
         pub offset_mm: f32,
         /// Where rays end.
         pub radius_mm: f32,
-        /// Largest sample distance at the finest level.
-        pub step_mm: f32,
+        /// Samples of a ray at the finest level.
+        pub parts: f32,
         /// Gamma / unit distance.
         pub exponent_mm: f32,
         /// Weight of the direction.

@@ -364,7 +364,13 @@ fn ambient_light() -> Vec<TestScene> {
         1.0,
         glow(),
         |scene| {
-            scene.ambient_occlusion = Some(small_sphere(12));
+            // (5.2 - 1) / 0.6 is above 7 in binary: no eighth sample.
+            scene.ambient_occlusion = Some(AmbientOcclusion {
+                radius: 5.2,
+                offset: 1.0,
+                step: 0.6,
+                ..small_sphere(12)
+            });
             scene.lighting.emission = false;
         },
     ));

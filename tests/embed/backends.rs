@@ -73,7 +73,8 @@ impl Dedicated {
     }
 }
 
-impl MemoryBackend for Dedicated {
+// SAFETY: each block is a memory object of its own, of the size and type asked for, mapped as a whole until it is freed.
+unsafe impl MemoryBackend for Dedicated {
     fn allocate(&self, request: &MemoryRequest<'_>) -> Result<MemoryBlock, String> {
         let mut state = self.state.lock().unwrap();
         let size = request.requirements.size;

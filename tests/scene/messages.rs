@@ -256,7 +256,7 @@ fn ranges() {
         ),
         (
             json!({ "volume": { "path": "" } }),
-            "volume.path: empty; give a file or folder",
+            "volume.path: empty; give a file",
         ),
         (
             json!({ "volume": { "path": "x", "raw": { "size": [8, 1, 8], "type": "u8" } } }),
@@ -329,7 +329,7 @@ fn control_points() {
     bad["emission"] = json!([0, -1, 0]);
     assert_eq!(
         points(json!([bad])),
-        "transfer_function.points.0.emission: [0, -1, 0] is not valid; give three finite numbers >= 0"
+        "transfer_function.points.0.emission: [0, -1, 0] is not valid; give three numbers from 0 to 60"
     );
     assert!(points(json!([point(1e300)])).ends_with("is not valid; give a finite number"));
     assert_eq!(

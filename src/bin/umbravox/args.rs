@@ -101,7 +101,7 @@ pub(crate) struct DevicesArgs {
 /// A scene or volume, and changes to the scene.
 #[derive(Args)]
 pub(crate) struct InputArgs {
-    /// Scene file, or volume (file, or folder of slices).
+    /// Scene file, or volume.
     #[arg(value_name = "SCENE.json|VOLUME")]
     pub(crate) path: PathBuf,
     /// Change the scene, as in march.step=0.25; may be repeated. The value is JSON, or else a string.

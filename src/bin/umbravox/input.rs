@@ -1,6 +1,7 @@
 //! What a command works on: a scene and its volume.
 
-use std::path::Path;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use umbravox::io::{self, ReadOptions};
@@ -34,21 +35,48 @@ pub(crate) fn read_volume(scene: &Scene) -> Result<Arc<Volume>> {
     io::read(&scene.volume.path, &options).map(Arc::new)
 }
 
-/// Checks that a file can be put at `output` and that nothing is read from there.
-pub(crate) fn check_output(output: &Path, args: &InputArgs, scene: &Scene) -> Result<()> {
+/// Bytes of an input that are searched for the names of its data files.
+const HEADER_BYTES: u64 = 64 << 10;
+
+/// Checks that a file can be put at `output` and that nothing is read from there. Gives the output's place, the same for every
+/// way of writing it.
+pub(crate) fn check_output(output: &Path, args: &InputArgs, scene: &Scene) -> Result<PathBuf> {
     output::check_place(output)?;
-    // An output that does not exist yet is no input.
-    let Ok(place) = output.canonicalize() else {
-        return Ok(());
-    };
     let is_input = [&args.path, &scene.volume.path]
         .into_iter()
-        .any(|input| input.canonicalize().is_ok_and(|input| input == place));
+        .any(|input| is_read(input, output));
     if is_input {
         return Err(Error::invalid(
             output.display().to_string(),
             "is also an input; give another file",
         ));
     }
-    Ok(())
+    let folder = match output.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let folder = folder.canonicalize().map_err(|e| Error::io(folder, e))?;
+    Ok(folder.join(output.file_name().unwrap_or_default()))
+}
+
+/// True when reading `input` reads an existing file at `output`: the file itself, the other half of an Analyze pair, or a data
+/// file that its header names.
+fn is_read(input: &Path, output: &Path) -> bool {
+    let (Ok(place), Ok(input)) = (output.canonicalize(), input.canonicalize()) else {
+        return false;
+    };
+    let half = |p: &Path| p.extension().is_some_and(|e| e == "hdr" || e == "img");
+    if input == place
+        || (half(&input) && half(&place) && input.with_extension("") == place.with_extension(""))
+    {
+        return true;
+    }
+    let (Some(name), Ok(file)) = (place.file_name(), std::fs::File::open(&input)) else {
+        return false;
+    };
+    let mut header = Vec::new();
+    let name = name.as_encoded_bytes();
+    file.take(HEADER_BYTES).read_to_end(&mut header).is_ok()
+        && input.parent() == place.parent()
+        && header.windows(name.len()).any(|part| part == name)
 }

@@ -14,8 +14,16 @@ use crate::{check_validation, input, progress, stats_of, terminal};
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let outputs = Outputs::check(&args.outputs)?;
     let scene = input::read_scene(&args.input)?;
+    let mut places = Vec::new();
     for path in args.outputs.iter().chain(&args.stats) {
-        input::check_output(path, &args.input, &scene)?;
+        let place = input::check_output(path, &args.input, &scene)?;
+        if places.contains(&place) {
+            return Err(Error::invalid(
+                path.display().to_string(),
+                "is given twice; give each output once",
+            ));
+        }
+        places.push(place);
     }
     let volume = input::read_volume(&scene)?;
     let headless = Headless::new(&args.device.options())?;
@@ -43,13 +51,7 @@ impl Outputs {
             pictures: Vec::new(),
             series: Vec::new(),
         };
-        for (i, path) in paths.iter().enumerate() {
-            if paths[..i].contains(path) {
-                return Err(Error::invalid(
-                    path.display().to_string(),
-                    "is given twice; give each output once",
-                ));
-            }
+        for path in paths {
             let target = Target::new(path)?;
             match Series::parse(path) {
                 Some(series) => outputs.series.push(series),

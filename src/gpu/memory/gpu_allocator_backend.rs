@@ -36,7 +36,9 @@ impl GpuAllocatorBackend {
     }
 }
 
-impl MemoryBackend for GpuAllocatorBackend {
+// SAFETY: the allocator gives each block memory of the requirements asked for, mapped as a whole where it is host visible, until
+// it is freed.
+unsafe impl MemoryBackend for GpuAllocatorBackend {
     fn allocate(&self, request: &MemoryRequest<'_>) -> Result<MemoryBlock, String> {
         let location = match request.location {
             MemoryLocation::Device => gpu_allocator::MemoryLocation::GpuOnly,

@@ -65,7 +65,11 @@ unsafe impl Send for MappedPointer {}
 unsafe impl Sync for MappedPointer {}
 
 /// A source of device memory. Implement it to bring your own allocator.
-pub trait MemoryBackend: Send + Sync {
+///
+/// # Safety
+/// A block that `allocate` returns satisfies the requirements asked for (size, alignment, memory types), is nobody else's until
+/// it is freed, and where `mapped` is there it points to all `size` bytes of it, host coherent, as long as the block lives.
+pub unsafe trait MemoryBackend: Send + Sync {
     /// Finds memory for an object.
     ///
     /// # Errors

@@ -42,7 +42,9 @@ impl VmaBackend {
     }
 }
 
-impl MemoryBackend for VmaBackend {
+// SAFETY: the allocator gives each block memory of the requirements asked for, mapped as a whole where it is host visible, until
+// it is freed.
+unsafe impl MemoryBackend for VmaBackend {
     fn allocate(&self, request: &MemoryRequest<'_>) -> Result<MemoryBlock, String> {
         let coherent =
             vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;

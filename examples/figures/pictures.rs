@@ -39,7 +39,7 @@ const TO_THE_LIGHT: &str = r#"ambient_occlusion={"explicit_directions":[[-0.5,-0
 const AROUND_THE_LIGHT: &str = r#"ambient_occlusion={"radius":24,"bias":0.08,"emission":false,"explicit_directions":
     [[-0.5,-0.6,0.8], [-0.87,0.12,0.48], [-0.92,-0.38,0.07], [-0.5,-0.86,-0.03], [0.07,-0.96,0.25], [0.36,-0.61,0.7], [0.16,-0.07,0.98], [-0.39,0.26,0.88]]}"#;
 const UNSHADED: &str = "lighting.shading=none";
-const SMALL: &str = "image.size=[280,280]";
+const SMALL: &str = "image.size=[256,256]";
 const CLOSE_UP: &str = "camera.zoom=3.2";
 
 const FIGURES: &[Figure] = &[
@@ -77,7 +77,7 @@ const FIGURES: &[Figure] = &[
         &[SMALL, CLOSE_UP, "ambient_occlusion=null", HEADLIGHT],
     ),
     figure("fig8_lao_close", AORTA, &[SMALL, CLOSE_UP, UNSHADED]),
-    figure("aorta", AORTA, &["image.size=[400,400]"]),
+    figure("aorta", AORTA, &["image.size=[296,296]"]),
 ];
 
 /// Renders those whose name holds `only` into `folder`.

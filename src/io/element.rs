@@ -15,6 +15,7 @@ pub(super) enum Element {
     I32,
     U64,
     I64,
+    F16,
     F32,
     F64,
 }
@@ -24,7 +25,7 @@ impl Element {
     pub(super) const fn bytes(self) -> u64 {
         match self {
             Self::U8 | Self::I8 => 1,
-            Self::U16 | Self::I16 => 2,
+            Self::U16 | Self::I16 | Self::F16 => 2,
             Self::U32 | Self::I32 | Self::F32 => 4,
             Self::U64 | Self::I64 | Self::F64 => 8,
         }
@@ -42,6 +43,7 @@ impl fmt::Display for Element {
             Self::I32 => "i32",
             Self::U64 => "u64",
             Self::I64 => "i64",
+            Self::F16 => "f16",
             Self::F32 => "f32",
             Self::F64 => "f64",
         })
@@ -64,6 +66,12 @@ macro_rules! stored_integer {
     )*};
 }
 stored_integer!(u8 i8 u16 i16 u32 i32 u64 i64);
+
+impl Stored for half::f16 {
+    fn swapped(self) -> Self {
+        Self::from_bits(self.to_bits().swap_bytes())
+    }
+}
 
 impl Stored for f32 {
     fn swapped(self) -> Self {

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::Limits;
 use super::element::Element;
 use super::source;
+use super::{Limits, ReadOptions};
 use crate::error::{Error, Result};
 use crate::volume::{MIN_SIZE, Rescale, Volume, Voxels};
 
@@ -22,16 +22,36 @@ pub(super) struct Grid {
     pub(super) voxels: usize,
     /// Bytes of them in the file, uncompressed.
     pub(super) bytes: u64,
+    /// Bytes of the volumes before this one, in a file that holds several.
+    pub(super) bytes_before: u64,
+    /// Bytes of all volumes of the file.
+    pub(super) all_bytes: u64,
 }
 
 impl Grid {
-    /// Checks the sizes of all axes that a header gives under `key`: three, and others of one voxel.
+    /// Checks the sizes of what is one volume, whatever time step is asked for.
+    pub(super) fn of_one(
+        path: &Path,
+        key: &str,
+        axes: [u64; 3],
+        element: Element,
+        limits: &Limits,
+    ) -> Result<Self> {
+        let options = ReadOptions {
+            limits: *limits,
+            ..ReadOptions::default()
+        };
+        Self::new(path, key, &axes, element, &options)
+    }
+
+    /// Checks the sizes of all axes that a header gives under `key`: three, and others that count volumes, of
+    /// which `options` picks one.
     pub(super) fn new(
         path: &Path,
         key: &str,
         axes: &[u64],
         element: Element,
-        limits: &Limits,
+        options: &ReadOptions<'_>,
     ) -> Result<Self> {
         let bad = |message: String| source::bad(path, format!("{key} {axes:?}: {message}"));
         let (&[x, y, z], others) = axes
@@ -54,17 +74,26 @@ impl Grid {
                 })?;
         }
         let volumes = others.iter().fold(1u64, |n, &m| n.saturating_mul(m));
-        if volumes != 1 {
+        let volume = u64::from(options.timestep.unwrap_or(0));
+        if volume >= volumes {
             return Err(bad(format!(
-                "{}-D data of {volumes} volumes or components; only single 3-D scalar volumes are read",
-                axes.len()
+                "volume.timestep {volume} of {volumes} volumes; the first is 0"
             )));
+        }
+        if volumes > 1 && options.timestep.is_none() {
+            tracing::info!("{volumes} volumes, the first is read; volume.timestep picks another");
         }
         let voxels = x.checked_mul(y).and_then(|n| n.checked_mul(z));
         let bytes = voxels.and_then(|n| n.checked_mul(element.bytes()));
         let (Some(voxels), Some(bytes)) = (voxels, bytes) else {
             return Err(bad("more voxels than can be counted".into()));
         };
+        let (Some(all_bytes), Some(bytes_before)) =
+            (bytes.checked_mul(volumes), bytes.checked_mul(volume))
+        else {
+            return Err(bad("more volumes than can be counted".into()));
+        };
+        let limits = &options.limits;
         if voxels > limits.max_voxels || bytes > limits.max_bytes {
             return Err(bad(format!(
                 "{voxels} voxels in {bytes} bytes; the limits are {} voxels and {} bytes",
@@ -77,6 +106,8 @@ impl Grid {
             size,
             voxels,
             bytes,
+            bytes_before,
+            all_bytes,
         })
     }
 }

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use glam::{DAffine3, DVec3};
 
 use super::element::Element;
+use super::formats::FileReader;
 use super::grid::{self, Grid};
 use super::payload::{Coding, Payload};
 use super::source::{self, Source};
@@ -20,8 +21,9 @@ use crate::volume::{Rescale, Volume};
 pub(super) const FORMAT: Format = Format {
     name: "MetaImage",
     extensions: &["mha", "mhd"],
-    recognise,
-    read,
+    reads: "one 3-D or 4-D image, attached or detached, raw, zlib or text",
+    file: Some(FileReader { recognise, read }),
+    bundle: None,
 };
 
 const TYPES: &[(&str, Element)] = &[
@@ -165,7 +167,7 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
             header.dimension
         )));
     }
-    let grid = Grid::new(path, "DimSize", &sizes, element, &options.limits)?;
+    let grid = Grid::new(path, "DimSize", &sizes, element, options)?;
     let world_from_ix = world_from_ix(&header)?;
     let rescale = Rescale {
         slope: header.float("ElementToIntensityFunctionSlope", 1.0)?,
@@ -219,7 +221,7 @@ fn skip_header(header: &Header, source: &mut Source, coding: Coding, grid: Grid)
         ))
     };
     let bytes = match value.parse::<i64>().map_err(|_| bad())? {
-        -1 if coding == Coding::Raw => source.remaining().saturating_sub(grid.bytes),
+        -1 if coding == Coding::Raw => source.remaining().saturating_sub(grid.all_bytes),
         bytes => u64::try_from(bytes).map_err(|_| bad())?,
     };
     source.advance(bytes, "HeaderSize")

@@ -1,27 +1,52 @@
-//! Readers of volume files: NRRD, NIfTI, MetaImage and headerless (RAW) data.
+//! Readers of volume files; [`FORMATS`] lists them.
 //!
 //! A file is recognised by what it holds; its name is only a hint in messages. Voxels are decoded straight into
 //! the array that the [`Volume`] keeps, in the file's own precision. Placement is converted to millimetres, LPS.
-//! A new format is one module with a `recognise` and a `read`, and one line in [`FORMATS`].
+//! A new format is one module with a [`Format`], and one line in [`FORMATS`].
 #![deny(clippy::indexing_slicing)]
 
+#[cfg(feature = "archives")]
+mod archive;
+#[cfg_attr(
+    not(feature = "formats"),
+    allow(dead_code, reason = "each reader of several files is a feature")
+)]
+mod bundle;
 mod detached;
+#[cfg(feature = "dicom")]
+mod dicom;
 mod element;
+mod fits;
+mod formats;
 mod grid;
+#[cfg(feature = "dicom")]
+mod jpeg_size;
 mod metaimage;
 mod narrow;
 mod nifti;
 mod nrrd;
+mod numpy;
 mod payload;
+#[cfg(feature = "image-stacks")]
+mod pictures;
 mod raw;
+mod reorder;
+#[cfg(feature = "image-stacks")]
+mod slices;
 mod source;
 mod text;
 mod text_data;
+#[cfg(feature = "image-stacks")]
+mod tiff;
+mod vti;
 
 use std::path::Path;
 
-use crate::error::{Error, Result};
-use crate::scene::RawDescription;
+use bundle::Bundle;
+pub use formats::{FORMATS, Format};
+
+use crate::error::Result;
+use crate::scene::{RawDescription, VolumeSource};
 use crate::volume::Volume;
 
 /// What a caller may say about a file before it is read.
@@ -29,10 +54,32 @@ use crate::volume::Volume;
 pub struct ReadOptions<'a> {
     /// What the header would have said. When given, the file is read as headerless, whatever it looks like.
     pub raw: Option<RawDescription>,
+    /// Which series of a DICOM folder: its UID, its number, or the start of its description. Default: the largest.
+    pub series: Option<String>,
+    /// Which volume of a file that holds several, from 0. Default: the first.
+    pub timestep: Option<u32>,
+    /// Which component of a voxel that has several, from 0. Default: the first; of colours, luminance.
+    pub channel: Option<u32>,
+    /// Refuse what would have to be resampled or guessed.
+    pub strict: bool,
     /// The largest volume that is accepted.
     pub limits: Limits,
     /// Called now and then with the bytes of voxels read so far and in all.
     pub progress: Option<&'a dyn Fn(u64, u64)>,
+}
+
+impl From<&VolumeSource> for ReadOptions<'_> {
+    /// What a scene says, with default limits.
+    fn from(source: &VolumeSource) -> Self {
+        Self {
+            raw: source.raw.clone(),
+            series: source.series.clone(),
+            timestep: source.timestep,
+            channel: source.channel,
+            strict: source.strict,
+            ..Self::default()
+        }
+    }
 }
 
 /// What a header may ask for before it is called damaged or too large.
@@ -44,79 +91,61 @@ pub struct Limits {
     pub max_bytes: u64,
     /// Most bytes of a text header.
     pub max_header_bytes: u64,
+    /// Most bytes of an archive's unpacked files.
+    pub max_archive_bytes: u64,
+    /// Most files of a folder or an archive.
+    pub max_files: usize,
 }
 
 impl Default for Limits {
-    /// 16 Gi voxels, 16 GiB of them, 4 MiB of header.
+    /// 16 Gi voxels, 16 GiB of them, 4 MiB of header; archives of 8 GiB, 200,000 files.
     fn default() -> Self {
         Self {
             max_voxels: 16 << 30,
             max_bytes: 16 << 30,
             max_header_bytes: 4 << 20,
+            max_archive_bytes: 8 << 30,
+            max_files: 200_000,
         }
     }
 }
 
-/// A kind of file that describes itself.
-pub struct Format {
-    /// What the format is called.
-    pub name: &'static str,
-    /// Usual endings of its files, without the dot. They decide nothing.
-    pub extensions: &'static [&'static str],
-    /// Whether a file is of this format, from its first [`HEAD_BYTES`] bytes (none for a folder) and its path.
-    recognise: fn(&[u8], &Path) -> bool,
-    read: fn(&Path, &ReadOptions<'_>) -> Result<Volume>,
-}
-
 /// How much of a file [`Format`]s are recognised by.
-pub const HEAD_BYTES: usize = 4096;
+const HEAD_BYTES: usize = 4096;
 
-/// Every format that is recognised by content, in the order of asking.
-pub const FORMATS: &[Format] = &[nrrd::FORMAT, nifti::FORMAT, metaimage::FORMAT];
-
-/// Reads a volume file.
+/// Reads a volume: a file, a folder of files, or an archive of them.
 ///
 /// # Errors
 /// [`Error::Volume`] when the file is damaged, not of a known format, not one 3-D scalar grid, of a voxel type
 /// that cannot be kept exactly, or larger than the limits; [`Error::Io`] when it cannot be opened or read;
 /// [`Error::OutOfMemory`] when the voxels do not fit in host memory; [`Error::Invalid`] for a wrong
 /// [`RawDescription`].
+///
+/// [`Error::Volume`]: crate::error::Error::Volume
+/// [`Error::Io`]: crate::error::Error::Io
+/// [`Error::OutOfMemory`]: crate::error::Error::OutOfMemory
+/// [`Error::Invalid`]: crate::error::Error::Invalid
 pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
     if let Some(description) = &options.raw {
         return raw::read(path, description, options);
     }
-    let head = source::head(path, HEAD_BYTES)?;
-    match FORMATS
-        .iter()
-        .find(|format| (format.recognise)(&head, path))
-    {
-        Some(format) => (format.read)(path, options),
-        None => Err(unrecognised(path)),
+    if path.is_dir() {
+        return read_bundle(&Bundle::folder(path, &options.limits)?, options);
     }
+    let head = source::head(path, HEAD_BYTES)?;
+    if let Some(read) = FORMATS.iter().find_map(|f| f.file_reader(&head, path)) {
+        return read(path, options);
+    }
+    #[cfg(feature = "archives")]
+    if let Some(archive) = archive::Kind::of(&head) {
+        return read_bundle(&archive.unpack(path, &options.limits)?, options);
+    }
+    Err(formats::unrecognised(path))
 }
 
-fn unrecognised(path: &Path) -> Error {
-    let name = path.to_string_lossy().to_lowercase();
-    let misnamed = FORMATS
-        .iter()
-        .find(|f| {
-            f.extensions
-                .iter()
-                .any(|e| name.ends_with(&format!(".{e}")))
-        })
-        .map(|f| format!("its name says {}, its content does not; ", f.name))
-        .unwrap_or_default();
-    let known: Vec<String> = FORMATS
-        .iter()
-        .map(|f| format!("{} (.{})", f.name, f.extensions.join(", .")))
-        .collect();
-    Error::volume(
-        path,
-        format!(
-            "not a volume of a known format: {misnamed}read are {}. A headerless file needs volume.raw in \
-             the scene, for example {{\"size\": [256, 256, 128], \"type\": \"u16\", \"spacing\": [1, 1, 1], \
-             \"endian\": \"little\", \"offset\": 0}}",
-            known.join(", ")
-        ),
-    )
+fn read_bundle(bundle: &Bundle, options: &ReadOptions<'_>) -> Result<Volume> {
+    match FORMATS.iter().find_map(|f| f.bundle_reader(bundle)) {
+        Some(read) => read(bundle, options),
+        None => Err(formats::unrecognised_bundle(bundle)),
+    }
 }

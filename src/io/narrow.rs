@@ -35,6 +35,21 @@ macro_rules! wide_integer {
 }
 wide_integer!(u32 i32 u64 i64);
 
+/// Halves stay floats: their 16 bits are not those of an integer.
+impl Wide for half::f16 {
+    fn to_u16(self) -> Option<u16> {
+        None
+    }
+
+    fn to_i16(self) -> Option<i16> {
+        None
+    }
+
+    fn to_f32(self) -> Option<f32> {
+        Some(Self::to_f32(self))
+    }
+}
+
 impl Wide for f64 {
     fn to_u16(self) -> Option<u16> {
         let nearest = self as u16;

@@ -20,7 +20,7 @@ use crate::volume::Voxels;
 const CHUNK_BYTES: usize = 1 << 20;
 
 /// DEFLATE (RFC 1951, 3.2.5) cannot do better than 258 bytes for two bits.
-const MAX_DEFLATE_RATIO: u64 = 1032;
+pub(super) const MAX_DEFLATE_RATIO: u64 = 1032;
 
 /// Decoded bytes after the last voxel that are looked at to reach the end of the stream and so its checksum.
 const MAX_TRAILING_BYTES: u64 = 1 << 20;
@@ -67,7 +67,7 @@ impl Payload {
     pub(super) fn decode(&self, mut source: Source, options: &ReadOptions<'_>) -> Result<Voxels> {
         self.check_length(&source)?;
         let path = source.path().to_path_buf();
-        let mut skip = self.skip;
+        let mut skip = self.skip_all();
         let reader: Box<dyn Read> = match self.coding {
             Coding::Raw => {
                 source.advance(std::mem::take(&mut skip), "the header")?;
@@ -97,6 +97,7 @@ impl Payload {
             Element::U16 => Voxels::U16(stream.fill()?),
             Element::I16 => Voxels::I16(stream.fill()?),
             Element::F32 => Voxels::F32(stream.fill()?),
+            Element::F16 => stream.narrow::<half::f16>()?,
             Element::U32 => stream.narrow::<u32>()?,
             Element::I32 => stream.narrow::<i32>()?,
             Element::U64 => stream.narrow::<u64>()?,
@@ -109,10 +110,15 @@ impl Payload {
         Ok(voxels)
     }
 
+    /// Bytes before the first voxel that is wanted.
+    fn skip_all(&self) -> u64 {
+        self.skip.saturating_add(self.grid.bytes_before)
+    }
+
     /// Refuses, before anything is allocated, what the rest of the file cannot hold.
     fn check_length(&self, source: &Source) -> Result<()> {
         let have = source.remaining();
-        let need = self.grid.bytes.saturating_add(self.skip);
+        let need = self.skip_all().saturating_add(self.grid.bytes);
         let least = match self.coding {
             Coding::Raw => need,
             Coding::Gzip | Coding::Zlib => need / MAX_DEFLATE_RATIO,

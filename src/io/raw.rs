@@ -31,8 +31,7 @@ pub(super) fn read(
         Error::Volume { message, .. } => Error::invalid(format!("volume.raw.{key}"), message),
         other => other,
     };
-    let grid =
-        Grid::new(path, "size", &axes, element, &options.limits).map_err(|e| at("size", e))?;
+    let grid = Grid::new(path, "size", &axes, element, options).map_err(|e| at("size", e))?;
     let spacing = grid::positive_spacing(path, "spacing", description.spacing)
         .map_err(|e| at("spacing", e))?;
     let [x, y, z] = DVec3::AXES;

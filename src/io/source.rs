@@ -1,7 +1,7 @@
 //! A file on disk, read forward, whose errors name it.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom};
+use std::io::{self, BufRead, BufReader, Cursor, ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use flate2::bufread::MultiGzDecoder;
@@ -19,7 +19,13 @@ pub(super) struct Source {
     path: PathBuf,
     len: u64,
     position: u64,
-    file: BufReader<File>,
+    data: Data,
+}
+
+enum Data {
+    File(BufReader<File>),
+    /// A member of an archive.
+    Bytes(Cursor<Vec<u8>>),
 }
 
 impl Source {
@@ -43,8 +49,21 @@ impl Source {
             path: path.to_path_buf(),
             len: meta.len(),
             position: 0,
-            file: BufReader::with_capacity(BUFFER_BYTES, File::open(path).map_err(io)?),
+            data: Data::File(BufReader::with_capacity(
+                BUFFER_BYTES,
+                File::open(path).map_err(io)?,
+            )),
         })
+    }
+
+    /// A file that is in memory; `path` is what messages call it.
+    pub(super) fn from_bytes(path: &Path, bytes: Vec<u8>) -> Self {
+        Self {
+            path: path.to_path_buf(),
+            len: bytes.len() as u64,
+            position: 0,
+            data: Data::Bytes(Cursor::new(bytes)),
+        }
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -66,9 +85,12 @@ impl Source {
             )));
         }
         self.position += bytes;
-        self.file
-            .seek(SeekFrom::Start(self.position))
-            .map_err(|e| Error::io(&self.path, e))?;
+        let start = SeekFrom::Start(self.position);
+        match &mut self.data {
+            Data::File(file) => file.seek(start),
+            Data::Bytes(bytes) => bytes.seek(start),
+        }
+        .map_err(|e| Error::io(&self.path, e))?;
         Ok(())
     }
 
@@ -109,7 +131,10 @@ impl Source {
 
 impl Read for Source {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        let got = self.file.read(out)?;
+        let got = match &mut self.data {
+            Data::File(file) => file.read(out)?,
+            Data::Bytes(bytes) => bytes.read(out)?,
+        };
         self.position += got as u64;
         Ok(got)
     }
@@ -117,12 +142,18 @@ impl Read for Source {
 
 impl BufRead for Source {
     fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        self.file.fill_buf()
+        match &mut self.data {
+            Data::File(file) => file.fill_buf(),
+            Data::Bytes(bytes) => bytes.fill_buf(),
+        }
     }
 
     fn consume(&mut self, bytes: usize) {
         self.position += bytes as u64;
-        self.file.consume(bytes);
+        match &mut self.data {
+            Data::File(file) => file.consume(bytes),
+            Data::Bytes(inner) => inner.consume(bytes),
+        }
     }
 }
 

@@ -83,6 +83,7 @@ fn bytes_of(token: &str, element: Element) -> Option<Vec<u8>> {
         Element::I32 => parse!(i32),
         Element::U64 => parse!(u64),
         Element::I64 => parse!(i64),
+        Element::F16 => parse!(half::f16),
         Element::F32 => parse!(f32),
         Element::F64 => parse!(f64),
     })

@@ -64,7 +64,7 @@ pub struct Scene {
 }
 
 /// Where the voxels come from.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VolumeSource {
     /// File, relative to the scene file.
@@ -72,6 +72,18 @@ pub struct VolumeSource {
     /// Only for headerless files: what the header would have said.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub raw: Option<RawDescription>,
+    /// Which series of a DICOM folder: its UID, its number, or the start of its description. Default: the largest.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub series: Option<String>,
+    /// Which volume of a file that holds several in time, from 0. Default: the first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub timestep: Option<u32>,
+    /// Which component of voxels that have several, from 0. Default: the first; of colours, luminance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channel: Option<u32>,
+    /// Refuse what would have to be resampled (uneven or missing slices) or guessed (no spacing). Default false.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub strict: bool,
 }
 
 /// Describes a headerless file.

@@ -292,6 +292,31 @@ impl Volume {
         i as usize + self.size[0] as usize * (j as usize + self.size[1] as usize * k as usize)
     }
 
+    /// The field at a continuous voxel index, trilinear between voxel centres, in the file's own units; `None`
+    /// outside of the field. A hundred-thousandth of a voxel is allowed for rounding.
+    pub fn sample(&self, at_ix: DVec3) -> Option<f64> {
+        const ROUNDING: f64 = 1e-5;
+        let last = DVec3::from_array(self.size.map(|n| f64::from(n - 1)));
+        let inside = at_ix.cmpge(DVec3::splat(-ROUNDING)) & at_ix.cmple(last + ROUNDING);
+        if !inside.all() {
+            return None;
+        }
+        let at = at_ix.clamp(DVec3::ZERO, last);
+        // The last cell ends at the last voxel.
+        let first = at.floor().min(last - 1.0);
+        let share = at - first;
+        let [i, j, k] = first.as_uvec3().to_array();
+        let mut sum = 0.0;
+        for (dk, wz) in [1.0 - share.z, share.z].into_iter().enumerate() {
+            for (dj, wy) in [1.0 - share.y, share.y].into_iter().enumerate() {
+                for (di, wx) in [1.0 - share.x, share.x].into_iter().enumerate() {
+                    sum += wx * wy * wz * self.value(i + di as u32, j + dj as u32, k + dk as u32);
+                }
+            }
+        }
+        Some(sum)
+    }
+
     /// One voxel in the file's own units.
     pub fn value(&self, i: u32, j: u32, k: u32) -> f64 {
         self.value_from_stored(self.voxels.get(self.offset(i, j, k)))

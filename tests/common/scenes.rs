@@ -44,7 +44,7 @@ fn test_scene(
     let mut scene = Scene {
         volume: VolumeSource {
             path: "in-memory".into(),
-            raw: None,
+            ..Default::default()
         },
         image: Image {
             size: [48, 40],

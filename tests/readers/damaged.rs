@@ -138,6 +138,7 @@ fn altered_at_every_byte() {
             max_voxels: 1 << 16,
             max_bytes: 1 << 18,
             max_header_bytes: 1 << 12,
+            ..Limits::default()
         },
         ..ReadOptions::default()
     };
@@ -187,6 +188,7 @@ fn terabytes_in_a_kilobyte() {
             max_voxels: u64::MAX,
             max_bytes: u64::MAX,
             max_header_bytes: u64::MAX,
+            ..Limits::default()
         },
         ..ReadOptions::default()
     };

@@ -204,10 +204,15 @@ fn further_axes_of_one_voxel_are_fine_others_are_counted() {
         0.0,
     );
     let path = scratch.file("a.mha", &local(four(3), &data.repeat(3)));
+    assert_holds(&open(&path), Kind::U8);
+    let beyond = ReadOptions {
+        timestep: Some(3),
+        ..ReadOptions::default()
+    };
     assert_refused(
         &path,
-        &ReadOptions::default(),
-        &["DimSize", "4-D", "3 volumes", "single 3-D scalar"],
+        &beyond,
+        &["DimSize", "volume.timestep 3", "3 volumes"],
     );
 }
 

@@ -280,14 +280,6 @@ const SPOILS: &[Spoil] = &[
     (|h| h.dim(3, -5), ["dim[3]", "-5"]),
     (|h| h.dim(3, 6), ["144 bytes", "file has"]),
     (
-        |h| {
-            h.dim(0, 5);
-            h.dim(4, 3);
-            h.dim(5, 2);
-        },
-        ["5-D", "6 volumes"],
-    ),
-    (
         |h| (1..4).for_each(|i| h.dim(i, i16::MAX)),
         ["dim", "limits"],
     ),

@@ -1,6 +1,6 @@
 //! NRRD and NHDR.
 
-use umbravox::io::ReadOptions;
+use umbravox::io::{ReadOptions, read};
 
 use super::{Kind, Scratch, assert_holds, assert_placed, assert_refused, gzip, open};
 
@@ -214,12 +214,16 @@ fn further_axes_of_one_voxel_are_fine_others_are_counted() {
     let volume = open(&scratch.file("a.nrrd", &attached(four(1), &data)));
     assert_holds(&volume, Kind::U8);
     assert_eq!(volume.spacing(), [1., 2., 3.]);
-    let path = scratch.file("a.nrrd", &attached(four(7), &data.repeat(7)));
-    assert_refused(
-        &path,
-        &ReadOptions::default(),
-        &["sizes", "4-D", "7 volumes", "single 3-D scalar"],
-    );
+    let zeros = vec![0; data.len()];
+    let seven = [zeros.repeat(3), data, zeros.repeat(3)].concat();
+    let path = scratch.file("a.nrrd", &attached(four(7), &seven));
+    let at = |timestep| ReadOptions {
+        timestep: Some(timestep),
+        ..ReadOptions::default()
+    };
+    assert_holds(&read(&path, &at(3)).unwrap(), Kind::U8);
+    assert_eq!(read(&path, &at(2)).unwrap().value_range(), [0.0, 0.0]);
+    assert_refused(&path, &at(7), &["sizes", "volume.timestep 7", "7 volumes"]);
 }
 
 #[test]

@@ -156,6 +156,7 @@ fn limits_bind() {
         max_voxels: 60,
         max_bytes: 120,
         max_header_bytes: 100,
+        ..Limits::default()
     };
     assert_holds(&read(&path, &with(limits)).unwrap(), Kind::U16);
     let fewer = Limits {

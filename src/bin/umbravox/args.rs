@@ -26,6 +26,10 @@ pub(crate) enum Command {
     Render(RenderArgs),
     /// Tell what a volume holds.
     Info(InfoArgs),
+    /// Tell the value at a point of the world.
+    Probe(ProbeArgs),
+    /// List the formats that are read.
+    Formats(FormatsArgs),
     /// Export the light volume of local ambient occlusion.
     Light(LightArgs),
     /// Time frames of an orbit.
@@ -55,6 +59,25 @@ pub(crate) struct RenderArgs {
 pub(crate) struct InfoArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
+    /// Print JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct ProbeArgs {
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
+    /// The point, in millimetres (LPS).
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    pub(crate) world: [f64; 3],
+    /// Print JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct FormatsArgs {
     /// Print JSON.
     #[arg(long)]
     pub(crate) json: bool,
@@ -153,6 +176,17 @@ impl DeviceArgs {
             },
         }
     }
+}
+
+fn point(text: &str) -> Result<[f64; 3], String> {
+    let numbers = text
+        .split(',')
+        .map(|number| finite(number.trim()))
+        .collect::<Result<Vec<f64>, _>>();
+    numbers
+        .ok()
+        .and_then(|numbers| numbers.try_into().ok())
+        .ok_or_else(|| "give three finite numbers, as in 12.5,-3,40".into())
 }
 
 fn finite(text: &str) -> Result<f64, String> {

@@ -28,11 +28,7 @@ pub(crate) fn read_scene(args: &InputArgs) -> Result<Scene> {
 
 /// The volume of a scene.
 pub(crate) fn read_volume(scene: &Scene) -> Result<Arc<Volume>> {
-    let options = ReadOptions {
-        raw: scene.volume.raw.clone(),
-        ..Default::default()
-    };
-    io::read(&scene.volume.path, &options).map(Arc::new)
+    io::read(&scene.volume.path, &ReadOptions::from(&scene.volume)).map(Arc::new)
 }
 
 /// Bytes of an input that are searched for the names of its data files.

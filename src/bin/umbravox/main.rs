@@ -3,9 +3,11 @@
 mod args;
 mod bench;
 mod devices;
+mod formats;
 mod info;
 mod input;
 mod light;
+mod probe;
 mod progress;
 mod render;
 mod series;
@@ -30,6 +32,8 @@ fn main() -> ExitCode {
     let result = match &cli.command {
         Command::Render(args) => render::run(args),
         Command::Info(args) => info::run(args),
+        Command::Probe(args) => probe::run(args),
+        Command::Formats(args) => formats::run(args),
         Command::Light(args) => light::run(args),
         Command::Bench(args) => bench::run(args),
         Command::Devices(args) => devices::run(args),

@@ -9,6 +9,7 @@ mod placement;
 use std::path::{Path, PathBuf};
 
 use self::header::Header;
+use super::formats::FileReader;
 use super::grid::{self, Grid};
 use super::payload::{Coding, Payload};
 use super::source::{self, GZIP_MAGIC, Source, gunzipped_head};
@@ -19,11 +20,15 @@ use crate::volume::{Rescale, Volume};
 pub(super) const FORMAT: Format = Format {
     name: "NIfTI",
     extensions: &["nii", "nii.gz", "hdr", "hdr.gz", "img", "img.gz"],
-    recognise: |head, path| {
-        header::is_header(&gunzipped_head(head, header::MAX_BYTES))
-            || header_of_image(path).is_some()
-    },
-    read,
+    reads: "NIfTI-1 and -2, one file or a pair, plain or gzip, 3-D or 4-D",
+    file: Some(FileReader {
+        recognise: |head, path| {
+            header::is_header(&gunzipped_head(head, header::MAX_BYTES))
+                || header_of_image(path).is_some()
+        },
+        read,
+    }),
+    bundle: None,
 };
 
 fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
@@ -36,7 +41,7 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
     }
     let header = Header::parse(path, &plain)?;
     let element = header.element()?;
-    let grid = Grid::new(path, "dim", &header.axes()?, element, &options.limits)?;
+    let grid = Grid::new(path, "dim", &header.axes()?, element, options)?;
     let world_from_ix = placement::world_from_ix(&header)?;
     let rescale = rescale(&header)?;
     let skip = header.data_offset()?;

@@ -10,6 +10,7 @@ use std::path::Path;
 use self::header::Header;
 use super::detached;
 use super::element::Element;
+use super::formats::FileReader;
 use super::grid::{self, Grid};
 use super::payload::{Coding, Payload};
 use super::source::Source;
@@ -21,8 +22,12 @@ use crate::volume::{Rescale, Volume};
 pub(super) const FORMAT: Format = Format {
     name: "NRRD",
     extensions: &["nrrd", "nhdr"],
-    recognise: |head, _| head.starts_with(header::MAGIC),
-    read,
+    reads: "attached or detached, raw, gzip, text or hex, 3-D or 4-D",
+    file: Some(FileReader {
+        recognise: |head, _| head.starts_with(header::MAGIC),
+        read,
+    }),
+    bundle: None,
 };
 
 /// The names of each type (section 5, `type`).
@@ -101,7 +106,7 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
         "sizes",
         text::sizes(path, "sizes", header.required("sizes")?)?,
     )?;
-    let grid = Grid::new(path, "sizes", &sizes, element, &options.limits)?;
+    let grid = Grid::new(path, "sizes", &sizes, element, options)?;
     if let Some(kinds) = header.get("kinds") {
         for kind in header.per_axis("kinds", kinds.split_whitespace().collect())? {
             text::one_of(path, "kinds (of a scalar volume)", kind, SCALAR_KINDS)?;
@@ -154,14 +159,17 @@ fn skip_to_data(header: &Header, source: &mut Source, coding: Coding, grid: Grid
     }
     match number("byte skip")? {
         -1 if coding == Coding::Raw => {
-            let before = source.remaining().checked_sub(grid.bytes).ok_or_else(|| {
-                source.bad(format!(
-                    "byte skip -1: the file has {} bytes left, the {:?} voxels need {}",
-                    source.remaining(),
-                    grid.size,
-                    grid.bytes
-                ))
-            })?;
+            let before = source
+                .remaining()
+                .checked_sub(grid.all_bytes)
+                .ok_or_else(|| {
+                    source.bad(format!(
+                        "byte skip -1: the file has {} bytes left, the {:?} voxels need {}",
+                        source.remaining(),
+                        grid.size,
+                        grid.all_bytes
+                    ))
+                })?;
             Ok(before)
         }
         bytes => u64::try_from(bytes).map_err(|_| {

@@ -1,0 +1,251 @@
+//! From stored pixels to voxels.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use dicom_object::DefaultDicomObject;
+use dicom_pixeldata::PixelDecoder;
+use rayon::prelude::*;
+
+use super::super::ReadOptions;
+use super::super::bundle::Bundle;
+use super::super::jpeg_size::jpeg_size;
+use super::super::payload::reserve;
+use super::super::source::bad;
+use super::frame::{self, Frame, PIXEL_DATA, PixelFormat};
+use super::{Element, Grid};
+use crate::error::{Error, Result};
+use crate::volume::{Rescale, Voxels};
+
+/// What the voxels become.
+pub(super) struct Encoding {
+    pub(super) element: Element,
+    /// Of the whole volume. Frames that differ are brought to it.
+    pub(super) rescale: Rescale,
+    /// Whether each frame's own rescale is applied to its pixels.
+    apply: bool,
+}
+
+impl Encoding {
+    /// The smallest type that holds every frame: as stored when all frames have one rescale; else i16 when every
+    /// rescaled value must be a whole number of that type; else f32.
+    pub(super) fn common(path: &Path, frames: &[Frame]) -> Result<Self> {
+        let Some(first) = frames.first() else {
+            return Err(bad(path, "the series holds no picture".into()));
+        };
+        if frames.iter().all(|f| f.rescale == first.rescale) && first.format.allocated <= 16 {
+            let element = match (first.format.allocated, first.format.signed) {
+                (8, false) => Element::U8,
+                (8, true) => Element::I8,
+                (_, false) => Element::U16,
+                (_, true) => Element::I16,
+            };
+            return Ok(Self {
+                element,
+                rescale: first.rescale,
+                apply: false,
+            });
+        }
+        let fits = |f: &Frame| {
+            let (least, most) = f.format.range();
+            let [a, b] = [least, most].map(|s| f.rescale.slope * s + f.rescale.intercept);
+            f.rescale.slope.fract() == 0.0
+                && f.rescale.intercept.fract() == 0.0
+                && a.min(b) >= f64::from(i16::MIN)
+                && a.max(b) <= f64::from(i16::MAX)
+        };
+        let element = if frames.iter().all(fits) {
+            Element::I16
+        } else {
+            Element::F32
+        };
+        Ok(Self {
+            element,
+            rescale: Rescale::default(),
+            apply: true,
+        })
+    }
+}
+
+impl PixelFormat {
+    /// Smallest and largest stored pixel.
+    fn range(self) -> (f64, f64) {
+        let values = (self.stored as f64).exp2();
+        if self.signed {
+            (-values / 2.0, values / 2.0 - 1.0)
+        } else {
+            (0.0, values - 1.0)
+        }
+    }
+
+    /// The pixel in its allocated bits: others than those stored may hold overlays, or nothing.
+    fn value(self, bits: u32) -> i64 {
+        let bits = u64::from(bits) >> (self.high_bit + 1 - self.stored);
+        let unused = 64 - self.stored;
+        if self.signed {
+            (bits << unused) as i64 >> unused
+        } else {
+            (bits << unused >> unused) as i64
+        }
+    }
+}
+
+/// Decodes all frames at once, each straight to its place.
+pub(super) fn decode(
+    bundle: &Bundle,
+    frames: &[Frame],
+    encoding: &Encoding,
+    grid: Grid,
+    options: &ReadOptions<'_>,
+) -> Result<Voxels> {
+    let decoder = Decoder {
+        bundle,
+        frames,
+        grid,
+    };
+    let progress = options.progress;
+    let whole = |value: i64, _: Rescale| value;
+    let rescaled = |value: i64, r: Rescale| r.slope * value as f64 + r.intercept;
+    Ok(match (encoding.element, encoding.apply) {
+        (Element::U8, _) => Voxels::U8(decoder.run(|v, r| whole(v, r) as u8, progress)?),
+        (Element::I8, _) => Voxels::I8(decoder.run(|v, r| whole(v, r) as i8, progress)?),
+        (Element::U16, _) => Voxels::U16(decoder.run(|v, r| whole(v, r) as u16, progress)?),
+        (Element::I16, false) => Voxels::I16(decoder.run(|v, r| whole(v, r) as i16, progress)?),
+        (Element::I16, true) => Voxels::I16(decoder.run(|v, r| rescaled(v, r) as i16, progress)?),
+        _ => Voxels::F32(decoder.run(|v, r| rescaled(v, r) as f32, progress)?),
+    })
+}
+
+struct Decoder<'a> {
+    bundle: &'a Bundle,
+    frames: &'a [Frame],
+    grid: Grid,
+}
+
+impl Decoder<'_> {
+    fn run<T: Copy + Default + Send>(
+        &self,
+        convert: impl Fn(i64, Rescale) -> T + Sync,
+        progress: Option<&dyn Fn(u64, u64)>,
+    ) -> Result<Vec<T>> {
+        let mut voxels = reserve(self.grid.voxels)?;
+        voxels.resize(self.grid.voxels, T::default());
+        let slice = self.grid.voxels / self.frames.len().max(1);
+        // Frames of one file are decoded together, so that it is opened once.
+        let mut files: BTreeMap<usize, Vec<(&Frame, &mut [T])>> = BTreeMap::new();
+        for (frame, out) in self.frames.iter().zip(voxels.chunks_mut(slice.max(1))) {
+            files.entry(frame.member).or_default().push((frame, out));
+        }
+        let (done, all) = (AtomicU64::new(0), self.grid.bytes);
+        let batches: Vec<_> = files.into_iter().collect();
+        // Progress is told by the calling thread alone, between pieces of work.
+        let per_report = (batches.len() / 32).max(16);
+        let mut rest = batches.into_iter();
+        loop {
+            let piece: Vec<_> = rest.by_ref().take(per_report).collect();
+            if piece.is_empty() {
+                break;
+            }
+            piece.into_par_iter().try_for_each(|(member, frames)| {
+                let bytes: u64 = frames.iter().map(|(_, out)| size_of_val(*out) as u64).sum();
+                self.file(member, frames, &convert)?;
+                done.fetch_add(bytes, Ordering::Relaxed);
+                Ok::<(), Error>(())
+            })?;
+            if let Some(progress) = progress {
+                progress(done.load(Ordering::Relaxed).min(all), all);
+            }
+        }
+        Ok(voxels)
+    }
+
+    fn file<T: Send>(
+        &self,
+        member: usize,
+        frames: Vec<(&Frame, &mut [T])>,
+        convert: &(impl Fn(i64, Rescale) -> T + Sync),
+    ) -> Result<()> {
+        let Some(member) = self.bundle.members().get(member) else {
+            return Err(bad(self.bundle.path(), "a file is gone".into()));
+        };
+        let path = self.bundle.path_of(member);
+        let object = frame::open(&path, member)?;
+        frames
+            .into_par_iter()
+            .try_for_each(|(frame, out)| decode_frame(&path, &object, frame, out, convert))
+    }
+}
+
+fn decode_frame<T>(
+    path: &Path,
+    object: &DefaultDicomObject,
+    frame: &Frame,
+    out: &mut [T],
+    convert: &impl Fn(i64, Rescale) -> T,
+) -> Result<()> {
+    let bytes_per_pixel = (frame.format.allocated / 8) as usize;
+    let wanted = out.len() * bytes_per_pixel;
+    let element = object
+        .get(PIXEL_DATA)
+        .ok_or_else(|| bad(path, "PixelData is missing".into()))?;
+    let decoded;
+    let native;
+    let pixels: &[u8] = if let Some(fragments) = element.fragments() {
+        check_jpeg_sizes(path, fragments, frame)?;
+        decoded = object.decode_pixel_data_frame(frame.index).map_err(|e| {
+            bad(
+                path,
+                format!("cannot decode the pixels: {}", frame::chain(&e)),
+            )
+        })?;
+        decoded.data()
+    } else {
+        native = element
+            .to_bytes()
+            .map_err(|e| bad(path, format!("PixelData is damaged: {e}")))?;
+        let start = wanted.saturating_mul(frame.index as usize);
+        native.get(start..).unwrap_or_default()
+    };
+    let Some(pixels) = pixels.get(..wanted) else {
+        return Err(bad(
+            path,
+            format!(
+                "frame {} has {} bytes of pixels; {} x {} pixels of {} bits need {wanted}: it is cut short or its \
+                 header is wrong",
+                frame.index,
+                pixels.len(),
+                frame.columns,
+                frame.rows,
+                frame.format.allocated
+            ),
+        ));
+    };
+    for (out, bytes) in out.iter_mut().zip(pixels.chunks_exact(bytes_per_pixel)) {
+        let bits = bytes
+            .iter()
+            .rev()
+            .fold(0u32, |bits, &byte| bits << 8 | u32::from(byte));
+        *out = convert(frame.format.value(bits), frame.rescale);
+    }
+    Ok(())
+}
+
+/// A picture inside that claims another size than the object would make a decoder allocate what nobody asked for.
+fn check_jpeg_sizes(path: &Path, fragments: &[Vec<u8>], frame: &Frame) -> Result<()> {
+    if fragments.is_empty() {
+        return Err(bad(path, "PixelData holds no fragment".into()));
+    }
+    for size in fragments.iter().filter_map(|f| jpeg_size(f)) {
+        if size.map(u64::from) != [frame.columns, frame.rows] {
+            return Err(bad(
+                path,
+                format!(
+                    "a coded picture has {size:?} pixels; Columns and Rows say {} x {}",
+                    frame.columns, frame.rows
+                ),
+            ));
+        }
+    }
+    Ok(())
+}

@@ -228,7 +228,7 @@ fn scene(field: &Field, kind: &Kind, plan: &Plan) -> Scene {
     Scene {
         volume: VolumeSource {
             path: field.name.into(),
-            raw: None,
+            ..Default::default()
         },
         camera: Camera::default(),
         image: Image {

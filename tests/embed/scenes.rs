@@ -63,7 +63,7 @@ fn subject(volume: Volume, camera: Camera, points: Vec<ControlPoint>) -> Subject
         scene: Scene {
             volume: VolumeSource {
                 path: "in-memory".into(),
-                raw: None,
+                ..Default::default()
             },
             camera,
             image: Image::default(),

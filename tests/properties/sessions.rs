@@ -47,7 +47,7 @@ impl Subject {
             scene: Scene {
                 volume: VolumeSource {
                     path: "in-memory".into(),
-                    raw: None,
+                    ..Default::default()
                 },
                 camera,
                 image: Image {

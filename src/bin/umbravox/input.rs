@@ -55,12 +55,15 @@ pub(crate) fn check_output(output: &Path, args: &InputArgs, scene: &Scene) -> Re
     Ok(folder.join(output.file_name().unwrap_or_default()))
 }
 
-/// True when reading `input` reads an existing file at `output`: the file itself, the other half of an Analyze pair, or a data
+/// True when reading `input` may read an existing file at `output`: the file itself, one in the folder, the other half of an Analyze pair, or a data
 /// file that its header names.
 fn is_read(input: &Path, output: &Path) -> bool {
     let (Ok(place), Ok(input)) = (output.canonicalize(), input.canonicalize()) else {
         return false;
     };
+    if input.is_dir() && place.starts_with(&input) {
+        return true;
+    }
     let half = |p: &Path| p.extension().is_some_and(|e| e == "hdr" || e == "img");
     if input == place
         || (half(&input) && half(&place) && input.with_extension("") == place.with_extension(""))

@@ -6,107 +6,10 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use serde_json::{Value, json};
-use tempfile::TempDir;
 
-/// A folder with a small volume and a scene for it.
-struct Workplace {
-    folder: TempDir,
-}
+mod workplace;
 
-struct Outcome {
-    status: i32,
-    stdout: String,
-    stderr: String,
-}
-
-impl Workplace {
-    /// A ball of bone in air, 20 x 18 x 16 voxels, with a scene of 24 x 16 pixels.
-    fn new() -> Self {
-        let place = Self {
-            folder: tempfile::tempdir().unwrap(),
-        };
-        let size = [20i32, 18, 16];
-        let mut voxels = Vec::new();
-        for k in 0..size[2] {
-            for j in 0..size[1] {
-                for i in 0..size[0] {
-                    let r2 = (i - 10).pow(2) + (j - 9).pow(2) + (k - 8).pow(2);
-                    let value: i16 = if r2 < 36 { 1000 } else { -1000 };
-                    voxels.extend(value.to_le_bytes());
-                }
-            }
-        }
-        fs::write(place.path("ball.raw"), &voxels).unwrap();
-        let header = b"NRRD0004\ntype: int16\ndimension: 3\nsizes: 20 18 16\nspacings: 1 1 1.5\nendian: little\nencoding: raw\n\n";
-        fs::write(
-            place.path("ball.nrrd"),
-            [header.as_slice(), &voxels].concat(),
-        )
-        .unwrap();
-        let scene = json!({
-            "volume": { "path": "ball.raw",
-                        "raw": { "size": size, "type": "i16", "spacing": [1, 1, 1.5] } },
-            "image": { "size": [24, 16] },
-            "transfer_function": { "preset": "ct-bone" },
-            "ambient_occlusion": { "rays": 4, "radius": 4 },
-        });
-        fs::write(place.path("scene.json"), scene.to_string()).unwrap();
-        place
-    }
-
-    fn path(&self, name: &str) -> std::path::PathBuf {
-        self.folder.path().join(name)
-    }
-
-    fn run(&self, args: &[&str]) -> Outcome {
-        let output = Command::new(env!("CARGO_BIN_EXE_umbravox"))
-            .args(args)
-            .current_dir(self.folder.path())
-            .output()
-            .unwrap();
-        Outcome {
-            status: output.status.code().expect("not killed by a signal"),
-            stdout: String::from_utf8(output.stdout).unwrap(),
-            stderr: String::from_utf8(output.stderr).unwrap(),
-        }
-    }
-
-    /// Runs what must succeed; returns stdout.
-    fn succeed(&self, args: &[&str]) -> String {
-        let outcome = self.run(args);
-        assert_eq!(outcome.status, 0, "{args:?}: {}", outcome.stderr);
-        outcome.stdout
-    }
-
-    /// Runs what must be refused with status 2, one line, and no file written; returns the line.
-    fn refuse(&self, args: &[&str]) -> String {
-        let before = self.names();
-        let Outcome {
-            status,
-            stdout,
-            stderr,
-        } = self.run(args);
-        assert_eq!(status, 2, "{args:?}: {stderr}");
-        assert_eq!(stdout, "");
-        assert_eq!(stderr.lines().count(), 1, "{stderr}");
-        assert_eq!(self.names(), before, "{args:?} left something behind");
-        let message = stderr.trim_end().strip_prefix("error: ");
-        message.unwrap_or_else(|| panic!("{stderr}")).to_owned()
-    }
-
-    fn names(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.folder.path()).unwrap();
-        let mut names: Vec<_> = entries
-            .map(|e| e.unwrap().file_name().into_string().unwrap())
-            .collect();
-        names.sort();
-        names
-    }
-
-    fn json(&self, name: &str) -> Value {
-        serde_json::from_slice(&fs::read(self.path(name)).unwrap()).unwrap()
-    }
-}
+use workplace::Workplace;
 
 #[test]
 fn help_and_version_are_results() {
@@ -582,4 +485,27 @@ fn light_is_exported_on_the_full_grid() {
         middle[0] < edge[0],
         "{middle:?} is not darker than {edge:?}"
     );
+}
+
+#[test]
+fn probe_answers_at_world_points_and_refuses_others() {
+    let place = Workplace::new();
+    let at = |world: &str| place.succeed(&["probe", "ball.nrrd", "--world", world, "--json"]);
+    // The middle of the ball, and a corner of the field.
+    let middle: Value = serde_json::from_str(&at("10,9,12")).unwrap();
+    assert_eq!(middle["value"], 1000.0, "{middle}");
+    let corner: Value = serde_json::from_str(&at("0,0,0")).unwrap();
+    assert_eq!(corner["value"], -1000.0, "{corner}");
+    let message = place.refuse(&["probe", "ball.nrrd", "--world", "1,2"]);
+    assert!(message.contains("world"), "{message}");
+}
+
+#[test]
+fn formats_are_listed() {
+    let place = Workplace::new();
+    let formats: Value = serde_json::from_str(&place.succeed(&["formats", "--json"])).unwrap();
+    let names = formats.to_string();
+    for name in ["NRRD", "NIfTI", "MetaImage", "DICOM"] {
+        assert!(names.contains(name), "{names}");
+    }
 }

@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 
-use super::{Reconstruction, Variants};
+use super::{Reconstruction, Variants, use_field};
 use crate::atlas::{Images, LightLists, LightWork};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Recorder, Uniforms};
@@ -59,24 +59,14 @@ impl LightPass {
             work,
             volume,
         } = *resources;
-        for image in [&images.atlas, &images.index, &images.skip, &images.transfer] {
-            recorder.use_image(image, Access::SampledRead);
-        }
+        let [atlas, index, skip, transfer] = use_field(recorder, images);
         recorder.use_image(&images.light, Access::Storage);
-        let sampled = |image, sampler| Bound::Sampled {
-            image,
-            sampler,
-            general: false,
-        };
         let bound = [
             (BINDING_VOLUME, Bound::Uniform(volume)),
-            (
-                BINDING_ATLAS,
-                sampled(&images.atlas, images.atlas_sampler()),
-            ),
-            (BINDING_INDEX, sampled(&images.index, &images.nearest)),
-            (BINDING_SKIP, sampled(&images.skip, &images.nearest)),
-            (BINDING_TRANSFER, sampled(&images.transfer, &images.nearest)),
+            atlas,
+            index,
+            skip,
+            transfer,
             (BINDING_BRICKS, Bound::Storage(&lists.bricks)),
             (BINDING_WORK, Bound::Storage(&lists.trace)),
             (BINDING_LIGHT_STORE, Bound::StorageImage(&images.light)),

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::{Reconstruction, Variants, tile_groups, tiles};
+use super::{Reconstruction, Variants, sampled, tile_groups, tiles, use_field};
 use crate::atlas::Images;
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Image, ImageInfo, Recorder, Sampler, Uniforms};
@@ -151,28 +151,18 @@ impl MarchPass {
             scene_depth,
             aux,
         } = *resources;
-        for image in [&images.atlas, &images.index, &images.skip, &images.transfer] {
-            recorder.use_image(image, Access::SampledRead);
-        }
+        let [atlas, index, skip, transfer] = use_field(recorder, images);
         recorder.use_image(&images.light, Access::SampledGeneral);
         recorder.use_image(unused_sampled, Access::SampledRead);
         let aux = aux.unwrap_or(unused_storage);
         recorder.use_image(aux, Access::Storage);
-        let sampled = |image, sampler| Bound::Sampled {
-            image,
-            sampler,
-            general: false,
-        };
         let bound = [
             (BINDING_VOLUME, Bound::Uniform(volume)),
             (BINDING_FRAME, Bound::Uniform(frame)),
-            (
-                BINDING_ATLAS,
-                sampled(&images.atlas, images.atlas_sampler()),
-            ),
-            (BINDING_INDEX, sampled(&images.index, &images.nearest)),
-            (BINDING_SKIP, sampled(&images.skip, &images.nearest)),
-            (BINDING_TRANSFER, sampled(&images.transfer, &images.nearest)),
+            atlas,
+            index,
+            skip,
+            transfer,
             (
                 BINDING_LIGHT,
                 Bound::Sampled {

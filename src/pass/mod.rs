@@ -7,8 +7,9 @@ pub(crate) mod march;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crate::atlas::Images;
 use crate::error::Result;
-use crate::gpu::{Context, Pipeline};
+use crate::gpu::{Access, Bound, Context, Image, Pipeline, Recorder, Sampler};
 use crate::shader::PassInterface;
 
 /// Specialization constants: id and value.
@@ -77,6 +78,30 @@ impl Reconstruction {
             (SPEC_EXACT_BINS, self.exact_bins.into()),
         ]
     }
+}
+
+/// An image with a sampler, in the layout for sampling alone.
+fn sampled<'a>(image: &'a Image, sampler: &'a Sampler) -> Bound<'a> {
+    Bound::Sampled {
+        image,
+        sampler,
+        general: false,
+    }
+}
+
+/// What every pass that samples and classifies the field reads: asks for the barriers and gives the bindings.
+fn use_field<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> [(u32, Bound<'a>); 4] {
+    use crate::shader::generated::{BINDING_ATLAS, BINDING_INDEX, BINDING_SKIP, BINDING_TRANSFER};
+    let field = [
+        (BINDING_ATLAS, &images.atlas, images.atlas_sampler()),
+        (BINDING_INDEX, &images.index, &images.nearest),
+        (BINDING_SKIP, &images.skip, &images.nearest),
+        (BINDING_TRANSFER, &images.transfer, &images.nearest),
+    ];
+    field.map(|(binding, image, sampler)| {
+        recorder.use_image(image, Access::SampledRead);
+        (binding, sampled(image, sampler))
+    })
 }
 
 /// Consecutive pieces of a picture of `size`, at most `tile` on an edge: first pixel and end.

@@ -29,6 +29,8 @@ pub(crate) struct Loaded {
     store: Store,
     settings: Settings,
     table: TransferTable,
+    /// See [`TransferTable::has_exact_bins`]; found once for each change, not for each frame.
+    exact_bins: bool,
     residency: Residency,
     visibility: Visibility,
     images: Images,
@@ -56,10 +58,13 @@ impl Loaded {
         let lists = LightLists::new(context, NAME, &visibility.light)?;
         let light = light_progress(&store, &settings);
         let uploads = Uploads::all(&residency);
+        let exact_bins =
+            table.has_exact_bins(sample_lengths(&settings, store.volume.min_spacing()));
         Ok(Self {
             store,
             settings,
             table,
+            exact_bins,
             residency,
             visibility,
             images,
@@ -145,6 +150,8 @@ impl Loaded {
         if let Some(lists) = lists {
             self.lists = lists;
         }
+        self.exact_bins =
+            table.has_exact_bins(sample_lengths(&settings, self.store.volume.min_spacing()));
         self.table = table;
         self.settings = settings;
         if !same_light {
@@ -183,10 +190,7 @@ impl Loaded {
             skipping: self.settings.march.empty_space_skipping,
             emission: emission && self.settings.curve.emits(),
             uniform_grid: self.residency.layout.is_grid() && self.uploads.bricks_complete(),
-            exact_bins: self.table.has_exact_bins(sample_lengths(
-                &self.settings,
-                self.store.volume.min_spacing(),
-            )),
+            exact_bins: self.exact_bins,
         }
     }
 

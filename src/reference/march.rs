@@ -110,7 +110,7 @@ pub fn march(setup: &Setup) -> Picture {
 /// surface shading `D`; `c_E` counts only with `lighting.emission`. The ray ends with the segment after which `A` reaches `march.early_termination`.
 pub fn march_ray(setup: &Setup, ray: Ray, shift: f64) -> Pixel {
     // There is one of each yet; another one must not compile here unnoticed.
-    let Classification::Post = setup.march.classification;
+
     let OpticalModel::EmissionAbsorption = setup.lighting.model;
 
     let field = Field::new(setup.volume);

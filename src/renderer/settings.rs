@@ -1,7 +1,9 @@
 //! How a volume is drawn, apart from the camera.
 
 use crate::error::Result;
-use crate::scene::{AmbientOcclusion, Curve, Lighting, March, Scene, Storage};
+use crate::scene::{
+    AmbientOcclusion, Curve, Lighting, March, Scene, Storage, Surface, check_together,
+};
 use crate::volume::Volume;
 
 /// What a [`super::Renderer`] draws by. Values are those of a checked scene ([`Scene::validate`]).
@@ -11,6 +13,8 @@ pub struct Settings {
     pub curve: Curve,
     /// Ray sampling.
     pub march: March,
+    /// What [`March::surfaces`] makes of the march's isosurfaces.
+    pub surfaces: Vec<Surface>,
     /// Shading.
     pub lighting: Lighting,
     /// Local ambient occlusion; `None`: off.
@@ -28,10 +32,11 @@ impl Settings {
     /// [`crate::error::Error::Invalid`] when the scene is not valid.
     pub fn of_scene(scene: &Scene, volume: &Volume) -> Result<Self> {
         scene.validate()?;
+        let colors = scene.image.color_management;
+        let curve = scene.transfer_function.curve(volume, colors)?;
         Ok(Self {
-            curve: scene
-                .transfer_function
-                .curve(volume, scene.image.color_management)?,
+            surfaces: scene.march.surfaces(&curve, colors),
+            curve,
             march: scene.march.clone(),
             lighting: scene.lighting.clone(),
             ambient_occlusion: scene.ambient_occlusion.clone(),
@@ -49,6 +54,7 @@ impl Settings {
         self.march.validate()?;
         self.lighting.validate()?;
         self.storage.validate()?;
+        check_together(&self.march, &self.lighting, self.ambient_occlusion.as_ref())?;
         match &self.ambient_occlusion {
             Some(ao) => ao.validate(),
             None => Ok(()),

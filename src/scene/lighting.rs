@@ -24,6 +24,25 @@ pub enum Shading {
     Diffuse,
 }
 
+/// How the field's gradient is estimated. All but the last two are the trilinear interpolation of estimates at voxels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Gradient {
+    /// Differences of the neighbours one voxel away on each axis.
+    #[default]
+    CentralDifferences,
+    /// Separable filter of four taps an axis, `(1/12, -2/3, 0, 2/3, -1/12)` (Ebert and Rheingans 2001): exact for cubics.
+    FourPoint,
+    /// Linear regression over the 26 neighbours, weighted by `1/distance` (Neumann et al. 2000).
+    Regression,
+    /// Sobel's operator: differences on one axis, smoothed by (1, 2, 1)/4 on the others.
+    Sobel,
+    /// Derivative of the tri-cubic B-spline: continuous, smooths.
+    Bspline,
+    /// Derivative of the tri-cubic Catmull-Rom spline.
+    CatmullRom,
+}
+
 /// Lighting.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -32,6 +51,8 @@ pub struct Lighting {
     pub model: OpticalModel,
     /// Surface shading. Default none.
     pub shading: Shading,
+    /// How the gradient is estimated, whatever the march's interpolation. Default central differences.
+    pub gradient: Gradient,
     /// Unit-less direction from the scene towards the light, world space; absent: a headlight at the eye
     /// (opposite to each ray's direction).
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -50,6 +71,7 @@ impl Default for Lighting {
         Self {
             model: OpticalModel::EmissionAbsorption,
             shading: Shading::None,
+            gradient: Gradient::CentralDifferences,
             direction: None,
             ambient: 0.3,
             diffuse: 0.7,

@@ -22,14 +22,17 @@ pub use camera::{Camera, Projection, View};
 pub use color::{ColorManagement, linear_from_srgb, srgb_from_linear};
 pub use directions::{DirectionSet, directions};
 pub use image::Image;
-pub use lighting::{Lighting, OpticalModel, Shading};
-pub use march::{Classification, Interpolation, March};
+pub use lighting::{Gradient, Lighting, OpticalModel, Shading};
+pub use march::{Classification, Interpolation, Isosurface, March, RayProjection, Surface};
 pub use parse::{Override, is_scene_file};
 pub use presets::{PRESETS, Preset};
 pub use schema::schema;
 pub use storage::Storage;
 pub use transfer_function::{ControlPoint, Curve, CurvePoint, Optical, TransferFunction};
-pub use validate::{MAX_EMISSION, MAX_IMAGE_SIZE, MAX_RAYS, MAX_SAMPLES_PER_RAY, MIN_STEP};
+pub(crate) use validate::check_together;
+pub use validate::{
+    MAX_EMISSION, MAX_IMAGE_SIZE, MAX_ISOSURFACES, MAX_RAYS, MAX_SAMPLES_PER_RAY, MIN_STEP,
+};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,11 @@
 //! Ranges of everything in a scene that does not need the volume.
 
+mod march;
+
 use std::fmt::Debug;
+
+use march::check_march;
+pub(crate) use march::check_together;
 
 use super::{
     AmbientOcclusion, Image, Lighting, March, RawDescription, Scene, Storage, TransferFunction,
@@ -15,6 +20,8 @@ pub const MIN_STEP: f64 = 0.001;
 pub const MAX_RAYS: u32 = 65_536;
 /// Most samples on one ambient occlusion ray.
 pub const MAX_SAMPLES_PER_RAY: u32 = 65_536;
+/// Most isosurfaces of a picture.
+pub const MAX_ISOSURFACES: usize = 8;
 /// Largest emission of a scene file, display value. Decoded it is 16320: half floats, which hold the light, end at 65504.
 pub const MAX_EMISSION: f64 = 60.0;
 /// Largest linear emission.
@@ -37,6 +44,7 @@ impl Scene {
         self.transfer_function.validate()?;
         check_march(&self.march)?;
         check_lighting(&self.lighting)?;
+        check_together(&self.march, &self.lighting, self.ambient_occlusion.as_ref())?;
         if let Some(occlusion) = &self.ambient_occlusion {
             check_occlusion(occlusion)?;
         }
@@ -45,7 +53,12 @@ impl Scene {
 }
 
 /// An error naming `value` and what is wanted unless `valid`.
-pub(super) fn require(valid: bool, at: &str, value: impl Debug, wanted: &str) -> Result<()> {
+pub(in crate::scene) fn require(
+    valid: bool,
+    at: &str,
+    value: impl Debug,
+    wanted: &str,
+) -> Result<()> {
     if valid {
         return Ok(());
     }
@@ -54,20 +67,20 @@ pub(super) fn require(valid: bool, at: &str, value: impl Debug, wanted: &str) ->
 }
 
 /// Finite in the single precision of the device.
-pub(super) fn finite(value: f64) -> bool {
+pub(in crate::scene) fn finite(value: f64) -> bool {
     value.abs() <= f64::from(f32::MAX)
 }
 
-pub(super) fn all_finite(values: [f64; 3]) -> bool {
+pub(in crate::scene) fn all_finite(values: [f64; 3]) -> bool {
     values.into_iter().all(finite)
 }
 
 /// Positive, and neither infinite nor zero in the single precision of the device.
-pub(super) fn positive(value: f64) -> bool {
+pub(in crate::scene) fn positive(value: f64) -> bool {
     finite(value) && value >= f64::from(f32::MIN_POSITIVE)
 }
 
-pub(super) fn is_share(value: f64) -> bool {
+pub(in crate::scene) fn is_share(value: f64) -> bool {
     (0.0..=1.0).contains(&value)
 }
 
@@ -87,7 +100,7 @@ fn check_step(at: &str, step: f64) -> Result<()> {
 }
 
 /// Prints as JSON would: `0`, not `0.0`.
-pub(super) struct Number(pub(super) f64);
+pub(in crate::scene) struct Number(pub(in crate::scene) f64);
 
 impl Debug for Number {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
@@ -96,7 +109,7 @@ impl Debug for Number {
 }
 
 /// Prints as JSON would: `[0, 0.5, 1]`.
-pub(super) fn numbers(values: [f64; 3]) -> [Number; 3] {
+pub(in crate::scene) fn numbers(values: [f64; 3]) -> [Number; 3] {
     values.map(Number)
 }
 
@@ -139,16 +152,6 @@ fn check_image(image: &Image) -> Result<()> {
         "image.depth_threshold",
         Number(image.depth_threshold),
         "a number > 0 and <= 1",
-    )
-}
-
-fn check_march(march: &March) -> Result<()> {
-    check_step("march.step", march.step)?;
-    require(
-        positive_share(march.early_termination),
-        "march.early_termination",
-        Number(march.early_termination),
-        "a number > 0 and <= 1 (opacity; 1: never early)",
     )
 }
 
@@ -280,7 +283,7 @@ impl TransferFunction {
                     "has both \"points\" and \"preset\"; give one of them, or neither for an automatic one",
                 ));
             }
-            super::presets::find(name)?;
+            crate::scene::presets::find(name)?;
         }
         let points = self.points.as_deref();
         if points.is_some_and(<[_]>::is_empty) {
@@ -351,10 +354,10 @@ validate_by! {
     Lighting => check_lighting,
     AmbientOcclusion => check_occlusion,
     Storage => check_storage,
-    super::Curve => check_curve,
+    crate::scene::Curve => check_curve,
 }
 
-fn check_curve(curve: &super::Curve) -> Result<()> {
+fn check_curve(curve: &crate::scene::Curve) -> Result<()> {
     let at = |key: &str| format!("transfer_function.{key}");
     require(
         positive(curve.unit_distance),

@@ -118,6 +118,7 @@ fn pictures_agree_with_the_reference() {
             &test.scene,
             &test.view,
             &test.curve,
+            &test.surfaces,
             light.as_ref(),
         );
         let expected = reference::march(&setup);

@@ -17,21 +17,27 @@ pub fn sphere_chord(radius: f64, distance: f64) -> f64 {
     2.0 * (radius * radius - distance * distance).max(0.0).sqrt()
 }
 
+/// Mean extinction, per unit distance, of a medium whose opacity over it runs linearly between two in `[0,1]`:
+/// `-integral_0^1 ln(w_0 + (w_1 - w_0) s) ds` with `w = 1 - a`. Finite unless both are opaque.
+pub fn mean_extinction(first: f64, last: f64) -> f64 {
+    let [clearest, densest] = [first.min(last), first.max(last)];
+    let w = 1.0 - clearest;
+    // With r = (w_1 - w_0) / w_0 it is -ln w_0 + 1 - (1 + r) ln(1 + r) / r, where nothing cancels.
+    let r = (clearest - densest) / w;
+    let fall = if r == 0.0 || clearest == 1.0 {
+        1.0
+    } else if r == -1.0 {
+        0.0
+    } else {
+        (1.0 + r) * r.ln_1p() / r
+    };
+    extinction(clearest, 1.0) + 1.0 - fall
+}
+
 /// Opacity of `length` of a medium whose opacity over `unit` rises linearly along the way, from `first` to
 /// `last`, both in `[0,1]`.
-///
-/// Optical depth: `-(1/u) integral_0^L ln(1 - a(s)) ds = (L/u) (F(1-last) - F(1-first)) / (last - first)`
-/// with `F(w) = w ln w - w`.
 pub fn ramp_opacity(first: f64, last: f64, unit: f64, length: f64) -> f64 {
-    let antiderivative = |w: f64| if w > 0.0 { w * w.ln() - w } else { 0.0 };
-    let rise = last - first;
-    // Below this the quotient cancels; the middle is then exact to the square of the rise.
-    let per_unit = if rise.abs() < 1e-5 {
-        extinction(0.5 * (first + last), 1.0)
-    } else {
-        (antiderivative(1.0 - last) - antiderivative(1.0 - first)) / rise
-    };
-    -(-per_unit * length / unit).exp_m1()
+    -(-mean_extinction(first, last) * length / unit).exp_m1()
 }
 
 /// One channel of a homogeneous emitting and absorbing medium over a background:

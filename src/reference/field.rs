@@ -4,10 +4,12 @@ use std::ops::{Add, Mul, Sub};
 
 use glam::{DAffine3, DVec3};
 
+use super::CubicKernel;
 use crate::scene::Interpolation;
 use crate::volume::Volume;
 
 /// A volume's field, defined between the first and the last voxel centre: `[0, n-1]` on each index axis.
+/// Filters that reach beyond it find the border voxels repeated.
 ///
 /// Values are in the file's own units.
 pub struct Field<'a> {
@@ -34,66 +36,101 @@ impl<'a> Field<'a> {
         last_ix(self.volume.size())
     }
 
+    /// True between the first and the last voxel centre.
+    pub fn contains(&self, ix: DVec3) -> bool {
+        contains(self.volume.size(), ix)
+    }
+
     /// Value at an index position; `None` outside the field.
+    pub fn sample(&self, ix: DVec3, interpolation: Interpolation) -> Option<f64> {
+        self.contains(ix)
+            .then(|| self.interpolate(ix, interpolation, |value| value))
+    }
+
+    /// Value at the point of the field that is nearest to an index position on each axis.
+    pub(super) fn sample_clamped(&self, ix: DVec3, interpolation: Interpolation) -> f64 {
+        let inside = ix.clamp(DVec3::ZERO, self.last_ix());
+        self.interpolate(inside, interpolation, |value| value)
+    }
+
+    /// Interpolates what `property` makes of the voxels' values, at an index position inside the field.
     ///
     /// The nearest voxel is `floor(x + 0.5)` on each axis: halves go up.
-    pub fn sample(&self, ix: DVec3, interpolation: Interpolation) -> Option<f64> {
+    pub(super) fn interpolate<T: Interpolated>(
+        &self,
+        ix: DVec3,
+        interpolation: Interpolation,
+        property: impl Fn(f64) -> T,
+    ) -> T {
+        let cubic = |kernel: CubicKernel| {
+            let fraction = ix - ix.floor();
+            let weights = fraction.to_array().map(|t| kernel.weights(t));
+            self.sum_of_cube(ix, weights, &property)
+        };
+        let voxel = |i, j, k| property(self.volume.value(i, j, k));
         match interpolation {
             Interpolation::Nearest => {
-                let inside = contains(self.volume.size(), ix);
                 let [i, j, k] = (ix + 0.5).floor().to_array().map(|x| x as u32);
-                inside.then(|| self.volume.value(i, j, k))
+                voxel(i, j, k)
             }
-            Interpolation::Linear => {
-                trilinear(self.volume.size(), ix, |i, j, k| self.volume.value(i, j, k))
-            }
+            Interpolation::Linear => trilinear(self.volume.size(), ix, voxel),
+            Interpolation::Bspline => cubic(CubicKernel::Bspline),
+            Interpolation::CatmullRom => cubic(CubicKernel::CatmullRom),
         }
     }
 
-    /// World-space gradient at an index position, in values per mm; `None` outside the field.
-    ///
-    /// Central differences of the trilinear field along the index axes. Taps lie one voxel away; at the
-    /// border they are moved onto the field, and the difference is divided by the distance that is left.
-    pub fn gradient_ws(&self, ix: DVec3) -> Option<DVec3> {
-        if !contains(self.volume.size(), ix) {
-            return None;
+    /// Sum over the 4^3 voxels around an index position, each with the product of its weights on x, y and z.
+    pub(super) fn sum_of_cube<T: Interpolated>(
+        &self,
+        ix: DVec3,
+        weights: [[f64; 4]; 3],
+        property: impl Fn(f64) -> T,
+    ) -> T {
+        let last = self.last_ix();
+        let index = |axis: usize, tap: usize| {
+            let voxel = ix[axis].floor() + tap as f64 - 1.0;
+            voxel.clamp(0.0, last[axis]) as u32
+        };
+        let mut sum = T::default();
+        for (z, wz) in weights[2].into_iter().enumerate() {
+            for (y, wy) in weights[1].into_iter().enumerate() {
+                for (x, wx) in weights[0].into_iter().enumerate() {
+                    let value = self.volume.value(index(0, x), index(1, y), index(2, z));
+                    sum = sum + property(value) * (wx * wy * wz);
+                }
+            }
         }
-        let mut gradient_ix = DVec3::ZERO;
-        for axis in 0..3 {
-            let [mut below, mut above] = [ix; 2];
-            below[axis] = (ix[axis] - 1.0).max(0.0);
-            above[axis] = (ix[axis] + 1.0).min(self.last_ix()[axis]);
-            let difference = self.sample(above, Interpolation::Linear)?
-                - self.sample(below, Interpolation::Linear)?;
-            gradient_ix[axis] = difference / (above[axis] - below[axis]);
-        }
-        // Gradients transform by the inverse transpose of what moves points.
-        Some(self.ix_from_world.matrix3.transpose() * gradient_ix)
+        sum
     }
 }
 
+/// Numbers and vectors.
+pub(super) trait Interpolated:
+    Copy + Default + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self>
+{
+}
+
+impl<T> Interpolated for T where
+    T: Copy + Default + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>
+{
+}
+
 /// Index position of the last voxel of a grid.
-pub(super) fn last_ix(size: [u32; 3]) -> DVec3 {
+fn last_ix(size: [u32; 3]) -> DVec3 {
     DVec3::from_array(size.map(|n| f64::from(n) - 1.0))
 }
 
 /// True between the first and the last voxel centre.
-fn contains(size: [u32; 3], ix: DVec3) -> bool {
+pub(super) fn contains(size: [u32; 3], ix: DVec3) -> bool {
     ix.cmpge(DVec3::ZERO).all() && ix.cmple(last_ix(size)).all()
 }
 
-/// Trilinear interpolation on a grid of at least two points an axis; `None` outside `[0, n-1]`.
-pub(super) fn trilinear<T>(
+/// Trilinear interpolation inside a grid of at least two points an axis.
+pub(super) fn trilinear<T: Interpolated>(
     size: [u32; 3],
     ix: DVec3,
     value: impl Fn(u32, u32, u32) -> T,
-) -> Option<T>
-where
-    T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>,
-{
-    if !contains(size, ix) {
-        return None;
-    }
+) -> T {
     // The last cell is closed above: its upper face belongs to it.
     let cell = ix.floor().min(last_ix(size) - 1.0);
     let [fx, fy, fz] = (ix - cell).to_array();
@@ -101,5 +138,5 @@ where
     let mix = |a: T, b: T, s: f64| a + (b - a) * s;
     let along_x = |j, k| mix(value(i, j, k), value(i + 1, j, k), fx);
     let along_y = |k| mix(along_x(j, k), along_x(j + 1, k), fy);
-    Some(mix(along_y(k), along_y(k + 1), fz))
+    mix(along_y(k), along_y(k + 1), fz)
 }

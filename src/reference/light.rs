@@ -6,7 +6,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::field::trilinear;
+use super::field::{contains, trilinear};
 use super::{Field, opacity_over};
 use crate::scene::{AmbientOcclusion, Curve, Interpolation};
 use crate::volume::Volume;
@@ -52,10 +52,11 @@ impl LightGrid {
     /// RGB light at an index position, trilinear; `None` outside `[0, n-1]`.
     pub fn sample(&self, ix: DVec3) -> Option<DVec3> {
         let [nx, ny, _] = self.size.map(|n| n as usize);
-        trilinear(self.size, ix, |i, j, k| {
+        let voxel = |i, j, k| {
             let at = i as usize + nx * (j as usize + ny * k as usize);
             DVec3::from_array(self.voxels[at].rgb)
-        })
+        };
+        contains(self.size, ix).then(|| trilinear(self.size, ix, voxel))
     }
 }
 

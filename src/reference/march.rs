@@ -1,10 +1,10 @@
-//! Emission and absorption along the rays of a picture.
+//! The rays of a picture.
 
-use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Field, LightGrid, Ray, opacity_over};
-use crate::scene::{Classification, Curve, Lighting, March, OpticalModel, Scene, Shading, View};
+use super::probe::Probe;
+use super::{LightGrid, Ray, composite, projection};
+use crate::scene::{Curve, Lighting, March, OpticalModel, RayProjection, Scene, Surface, View};
 use crate::volume::Volume;
 
 /// What a picture depends on.
@@ -23,6 +23,8 @@ pub struct Setup<'a> {
     pub curve: &'a Curve,
     /// How rays are sampled.
     pub march: &'a March,
+    /// What the projection "isosurface" draws, in any order; see [`March::surfaces`].
+    pub surfaces: &'a [Surface],
     /// Surface shading.
     pub lighting: &'a Lighting,
     /// Ambient light at every voxel, same size as the volume; `None`: 1 everywhere.
@@ -41,6 +43,7 @@ impl<'a> Setup<'a> {
         scene: &'a Scene,
         view: &'a View,
         curve: &'a Curve,
+        surfaces: &'a [Surface],
         light: Option<&'a LightGrid>,
     ) -> Self {
         Self {
@@ -49,6 +52,7 @@ impl<'a> Setup<'a> {
             size: scene.image.size,
             curve,
             march: &scene.march,
+            surfaces,
             lighting: &scene.lighting,
             light,
             depth_threshold: scene.image.depth_threshold,
@@ -57,27 +61,57 @@ impl<'a> Setup<'a> {
     }
 }
 
-/// What one ray saw.
+/// What one ray saw. Distances are along the ray from its origin, mm.
+///
+/// Events are the middles of segments, or where isosurfaces are hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pixel {
     /// Linear radiance and opacity, associated (premultiplied), over nothing.
     pub rgba: [f64; 4],
-    /// Distance along the ray from its origin, mm, of the middle of the first segment after which the
-    /// opacity reaches the depth threshold; infinite when none does.
+    /// Distance of the first event after which the opacity reaches the depth threshold; infinite when none
+    /// does. Of the largest and the smallest sample: where it lies first. Of the mean: infinite.
     pub depth: f64,
+    /// As [`Pixel::depth`], for the opacity 0.5.
+    pub median: f64,
+    /// Mean distance `sum w t / sum w`, with `w` the share of an event in the picture, `(1-A) alpha`; infinite
+    /// when nothing is visible. Of the largest, smallest and mean sample as [`Pixel::depth`].
+    pub expected: f64,
+    /// What was projected: the largest, smallest or mean sample, in the file's units, or the optical depth.
+    /// NaN for the other projections, and where a ray has no sample.
+    pub value: f64,
     /// Number of segments sampled.
     pub samples: u32,
 }
 
-/// Pixels by rows, from the top left.
+impl Pixel {
+    /// Of a ray without segments.
+    pub(super) fn nothing() -> Self {
+        Self {
+            rgba: [0.0; 4],
+            depth: f64::INFINITY,
+            median: f64::INFINITY,
+            expected: f64::INFINITY,
+            value: f64::NAN,
+            samples: 0,
+        }
+    }
+}
+
+/// Pixels by rows, from the top left; layers as in [`Pixel`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// Width and height.
     pub size: [u32; 2],
     /// Linear radiance and opacity, associated, over nothing.
     pub rgba: Vec<[f64; 4]>,
-    /// Depth, mm; see [`Pixel::depth`].
+    /// Depth, mm.
     pub depth: Vec<f64>,
+    /// Median distance, mm.
+    pub median: Vec<f64>,
+    /// Expected distance, mm.
+    pub expected: Vec<f64>,
+    /// Projected value.
+    pub value: Vec<f64>,
     /// Segments sampled.
     pub samples: Vec<u32>,
 }
@@ -99,93 +133,26 @@ pub fn march(setup: &Setup) -> Picture {
         size: setup.size,
         rgba: pixels.iter().map(|p| p.rgba).collect(),
         depth: pixels.iter().map(|p| p.depth).collect(),
+        median: pixels.iter().map(|p| p.median).collect(),
+        expected: pixels.iter().map(|p| p.expected).collect(),
+        value: pixels.iter().map(|p| p.value).collect(),
         samples: pixels.iter().map(|p| p.samples).collect(),
     }
 }
 
-/// Composites one ray front to back; its first segment is shortened by `shift` steps.
-///
-/// A segment of length `d` has the opacity `alpha = 1 - (1-a)^(d/u)` and adds
-/// `(1-A) alpha (c I D + c_E)`: colour `c` and emission `c_E` of the transfer function, ambient light `I`,
-/// surface shading `D`; `c_E` counts only with `lighting.emission`. The ray ends with the segment after which `A` reaches `march.early_termination`.
+/// Projects one ray; its first segment is shortened by `shift` steps.
 pub fn march_ray(setup: &Setup, ray: Ray, shift: f64) -> Pixel {
     // There is one of each yet; another one must not compile here unnoticed.
-
     let OpticalModel::EmissionAbsorption = setup.lighting.model;
 
-    let field = Field::new(setup.volume);
-    let mut radiance = DVec3::ZERO;
-    let mut opacity = 0.0;
-    let mut depth = f64::INFINITY;
-    let mut samples = 0;
-    let step = setup.march.step * setup.volume.min_spacing();
-    let segments = ray
-        .span(field.ix_from_world(), field.last_ix())
-        .into_iter()
-        .flat_map(|span| span.segments(step, shift));
-    for segment in segments {
-        let ix = position_ix(&field, ray, segment.middle());
-        let Some(value) = field.sample(ix, setup.march.interpolation) else {
-            continue;
-        };
-        samples += 1;
-        let optical = setup.curve.evaluate(value);
-        let alpha = opacity_over(
-            optical.opacity,
-            segment.length() / setup.curve.unit_distance,
-        );
-        let ambient_light = setup
-            .light
-            .and_then(|grid| grid.sample(ix))
-            .unwrap_or(DVec3::ONE);
-        let reflected = DVec3::from_array(optical.color)
-            * ambient_light
-            * surface_shading(&field, ix, ray.direction, setup.lighting);
-        let emitted = if setup.lighting.emission {
-            DVec3::from_array(optical.emission)
-        } else {
-            DVec3::ZERO
-        };
-        let source = reflected + emitted;
-        radiance += (1.0 - opacity) * alpha * source;
-        opacity += (1.0 - opacity) * alpha;
-        if opacity >= setup.depth_threshold && depth.is_infinite() {
-            depth = segment.middle();
-        }
-        if opacity >= setup.march.early_termination {
-            break;
-        }
-    }
-    Pixel {
-        rgba: radiance.extend(opacity).to_array(),
-        depth,
-        samples,
-    }
-}
-
-/// Index position at a distance along a ray. The span is inside the field; rounding must not say otherwise.
-fn position_ix(field: &Field, ray: Ray, distance: f64) -> DVec3 {
-    field
-        .ix_from_world()
-        .transform_point3(ray.origin + ray.direction * distance)
-        .clamp(DVec3::ZERO, field.last_ix())
-}
-
-/// The factor `D` on reflected light: 1 without shading or where the gradient is zero, else
-/// `ambient + diffuse |n . l|`. Without a direction the light is at the eye.
-fn surface_shading(field: &Field, ix: DVec3, ray_direction: DVec3, lighting: &Lighting) -> f64 {
-    match lighting.shading {
-        Shading::None => 1.0,
-        Shading::Diffuse => {
-            let to_light = lighting
-                .direction
-                .map_or(-ray_direction, |l| DVec3::from_array(l).normalize());
-            field
-                .gradient_ws(ix)
-                .and_then(DVec3::try_normalize)
-                .map_or(1.0, |normal| {
-                    lighting.ambient + lighting.diffuse * normal.dot(to_light).abs()
-                })
-        }
+    let probe = Probe::new(setup, ray);
+    let segments = probe.segments(shift);
+    match setup.march.projection {
+        RayProjection::Composite => composite::emission_absorption(&probe, segments),
+        RayProjection::Xray => composite::xray(&probe, segments),
+        RayProjection::Isosurface => composite::isosurfaces(&probe, segments),
+        RayProjection::Maximum => projection::extremum(&probe, segments, f64::gt),
+        RayProjection::Minimum => projection::extremum(&probe, segments, f64::lt),
+        RayProjection::Mean => projection::mean(&probe, segments),
     }
 }

@@ -4,20 +4,31 @@
 //! skipping and no levels of detail: the volume at full resolution. It shares the scene's types with the
 //! renderer and no code with any shader.
 //!
-//! - [`Field`]: the scalar field between the voxels, and its gradient.
-//! - [`march`]: a picture by emission and absorption along rays (Max 1995).
+//! - [`Field`]: the scalar field between the voxels, by [`CubicKernel`]s too, and estimates of its gradient.
+//! - [`march`]: a picture by emission and absorption along rays (Max 1995), or by another projection.
+//! - [`preintegrate`]: the transfer function along a segment (Engel, Kraus, Ertl 2001).
 //! - [`light`]: local ambient occlusion at every voxel (Hernell, Ljung, Ynnerman 2007).
 //! - [`analytic`]: closed forms for fields that have one.
 
 pub mod analytic;
+mod classify;
+mod composite;
 mod field;
+mod filter;
+mod gradient;
 mod light;
 mod march;
+mod preintegration;
+mod probe;
+mod projection;
 mod ray;
 
+pub use classify::Contribution;
 pub use field::Field;
+pub use filter::CubicKernel;
 pub use light::{Light, LightGrid, light, light_at};
 pub use march::{Picture, Pixel, Setup, march, march_ray};
+pub use preintegration::preintegrate;
 pub use ray::{MERGED_REMAINDER, Ray, Segment, Span};
 
 /// Opacity over `exponent` reference lengths of a medium with `opacity` over one: `1 - (1 - a)^e`.

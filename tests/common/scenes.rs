@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use umbravox::scene::{
-    Camera, ControlPoint, Curve, Image, Projection, Scene, Storage, TransferFunction, View,
-    VolumeSource,
+    Camera, ControlPoint, Curve, Image, Projection, Scene, Storage, Surface, TransferFunction,
+    View, VolumeSource,
 };
 use umbravox::volume::Volume;
 
@@ -23,6 +23,7 @@ pub(crate) struct TestScene {
     pub(crate) scene: Scene,
     pub(crate) view: View,
     pub(crate) curve: Curve,
+    pub(crate) surfaces: Vec<Surface>,
 }
 
 /// Every scene.
@@ -62,11 +63,14 @@ fn test_scene(
         storage: Storage::default(),
     };
     adjust(&mut scene);
+    let colors = scene.image.color_management;
+    let curve = Curve::new(unit_distance, &points, colors);
     TestScene {
         name,
         volume: Arc::new(volume),
         view: view_of(&scene.camera),
-        curve: Curve::new(unit_distance, &points, scene.image.color_management),
+        surfaces: scene.march.surfaces(&curve, colors),
+        curve,
         scene,
     }
 }

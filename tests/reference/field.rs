@@ -1,6 +1,6 @@
-//! Sampling and gradients.
+//! Sampling.
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 use umbravox::reference::Field;
 use umbravox::scene::Interpolation::{Linear, Nearest};
 use umbravox::volume::{Rescale, Volume, Voxels};
@@ -44,7 +44,6 @@ fn the_field_ends_at_the_outer_voxel_centres() {
             p[axis] = at;
             assert_eq!(field.sample(p, Linear).is_some(), inside, "{p}");
             assert_eq!(field.sample(p, Nearest).is_some(), inside, "{p}");
-            assert_eq!(field.gradient_ws(p).is_some(), inside, "{p}");
         }
     }
 }
@@ -77,54 +76,4 @@ fn values_are_the_files_own() {
     assert_close(at(0.0), 90.0, 1e-12);
     assert_close(at(0.25), 65.0, 1e-12);
     assert_close(at(1.0), -10.0, 1e-12);
-}
-
-/// Taps lie one voxel away and stop at the border: the square of the index tells where they were.
-#[test]
-fn gradient_taps_are_clamped_to_the_field() {
-    let volume = volume_of([6, 2, 2], DAffine3::IDENTITY, |[i, _, _]| f64::from(i * i));
-    let field = Field::new(&volume);
-    let slope = |x| {
-        let g = field.gradient_ws(DVec3::new(x, 0.3, 0.6)).unwrap();
-        assert_eq!((g.y, g.z), (0.0, 0.0));
-        g.x
-    };
-    assert_close(slope(2.0), 4.0, 1e-12);
-    assert_close(slope(2.5), 5.0, 1e-12);
-    // Taps at 0 and 1.25, where the field is 0 and 1 + 0.25 * 3.
-    assert_close(slope(0.25), 1.75 / 1.25, 1e-12);
-    assert_close(slope(0.0), 1.0, 1e-12);
-    assert_close(slope(5.0), 9.0, 1e-12);
-}
-
-/// Axes and gradient are such that every voxel value is exact in f32.
-#[test]
-fn gradients_are_in_world_space_whatever_the_placement() {
-    let gradient = DVec3::new(3.0, -5.0, 2.0);
-    for matrix in [
-        DMat3::from_diagonal(DVec3::new(0.5, 2.0, 4.0)),
-        DMat3::from_diagonal(DVec3::new(-1.0, 0.25, -2.0)),
-        DMat3::from_cols(
-            DVec3::new(0.0, 2.0, 0.0),
-            DVec3::new(0.5, 0.0, 0.0),
-            DVec3::new(0.0, 0.0, -1.0),
-        ),
-        DMat3::from_cols(
-            DVec3::new(1.0, 0.25, 0.0),
-            DVec3::new(0.5, 2.0, -0.5),
-            DVec3::new(-0.25, 0.0, 1.5),
-        ),
-    ] {
-        let placement = DAffine3::from_mat3_translation(matrix, DVec3::new(8.0, -16.0, 4.0));
-        let volume = volume_of([4, 5, 3], placement, |v| {
-            placement
-                .transform_point3(DVec3::from_array(v.map(f64::from)))
-                .dot(gradient)
-        });
-        let field = Field::new(&volume);
-        for p in [[1.5, 2.25, 1.0], [0.0, 0.0, 0.0], [2.9, 4.0, 0.1]] {
-            let g = field.gradient_ws(DVec3::from_array(p)).unwrap();
-            assert!(g.distance(gradient) < 1e-12, "{g} under {matrix}");
-        }
-    }
 }

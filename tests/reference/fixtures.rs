@@ -2,7 +2,9 @@
 
 use glam::{DAffine3, DVec3};
 use umbravox::reference::{LightGrid, Pixel, Ray, Setup, march_ray};
-use umbravox::scene::{Curve, CurvePoint, Lighting, March, Optical, Projection, View};
+use umbravox::scene::{
+    Classification, Curve, CurvePoint, Lighting, March, Optical, Projection, Surface, View,
+};
 use umbravox::volume::{Rescale, Volume, Voxels};
 
 /// Float volume from a function of the voxel index; its values are rounded to f32.
@@ -56,13 +58,14 @@ pub(crate) struct Tracer {
     pub(crate) volume: Volume,
     pub(crate) curve: Curve,
     pub(crate) march: March,
+    pub(crate) surfaces: Vec<Surface>,
     pub(crate) lighting: Lighting,
     pub(crate) light: Option<LightGrid>,
     pub(crate) depth_threshold: f64,
 }
 
 impl Tracer {
-    /// Never terminates early; no shading, no ambient light.
+    /// Never terminates early; classifies after interpolation; no shading, no ambient light.
     pub(crate) fn new(volume: Volume, curve: Curve, step: f64) -> Self {
         Self {
             volume,
@@ -70,8 +73,10 @@ impl Tracer {
             march: March {
                 step,
                 early_termination: 1.0,
+                classification: Some(Classification::Post),
                 ..Default::default()
             },
+            surfaces: Vec::new(),
             lighting: Lighting::default(),
             light: None,
             depth_threshold: 0.05,
@@ -85,6 +90,7 @@ impl Tracer {
             size: [1, 1],
             curve: &self.curve,
             march: &self.march,
+            surfaces: &self.surfaces,
             lighting: &self.lighting,
             light: self.light.as_ref(),
             depth_threshold: self.depth_threshold,

@@ -8,6 +8,7 @@ mod fixtures;
 
 mod directions;
 mod field;
+mod gradients;
 mod light;
 mod march;
 mod profiles;

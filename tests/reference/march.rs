@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec3};
 use umbravox::reference::analytic::{emission_absorption, slab_opacity};
 use umbravox::reference::{Light, LightGrid, Segment, Setup, Span, march};
-use umbravox::scene::{Lighting, March, Shading};
+use umbravox::scene::{Classification, Lighting, March, Shading};
 
 use crate::fixtures::{ORTHOGRAPHIC, Tracer, assert_close, curve, homogeneous, medium, volume_of};
 
@@ -202,13 +202,17 @@ fn pixels_are_where_the_view_says() {
     );
     let mut view = ORTHOGRAPHIC;
     view.eye = DVec3::new(3.5, -2.0, 3.5);
-    let settings = March::default();
+    let settings = March {
+        classification: Some(Classification::Post),
+        ..Default::default()
+    };
     let setup = Setup {
         volume: &volume,
         view: &view,
         size: [4, 2],
         curve: &curve,
         march: &settings,
+        surfaces: &[],
         lighting: &Lighting::default(),
         light: None,
         depth_threshold: 0.05,

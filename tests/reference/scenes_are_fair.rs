@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use glam::{DAffine3, DQuat, DVec3};
 use umbravox::reference::{LightGrid, Picture, Setup, light, march};
-use umbravox::scene::{AmbientOcclusion, Curve, Interpolation, Projection, Scene, View};
+use umbravox::scene::{AmbientOcclusion, Curve, Interpolation, Projection, Scene, Surface, View};
 use umbravox::volume::{Volume, VoxelType};
 
 use crate::scenes::{TestScene, all};
@@ -14,13 +14,26 @@ fn light_of(volume: &Volume, scene: &Scene, curve: &Curve) -> Option<LightGrid> 
     Some(light(volume, curve, settings))
 }
 
-fn picture_of(volume: &Volume, scene: &Scene, view: &View, curve: &Curve) -> Picture {
+fn picture_of(
+    volume: &Volume,
+    scene: &Scene,
+    view: &View,
+    curve: &Curve,
+    surfaces: &[Surface],
+) -> Picture {
     let light = light_of(volume, scene, curve);
-    march(&Setup::new(volume, scene, view, curve, light.as_ref()))
+    march(&Setup::new(
+        volume,
+        scene,
+        view,
+        curve,
+        surfaces,
+        light.as_ref(),
+    ))
 }
 
 fn reference(s: &TestScene) -> Picture {
-    picture_of(&s.volume, &s.scene, &s.view, &s.curve)
+    picture_of(&s.volume, &s.scene, &s.view, &s.curve, &s.surfaces)
 }
 
 fn largest_difference(a: &Picture, b: &Picture) -> f64 {
@@ -131,7 +144,7 @@ fn scenes_are_insensitive_to_rounding() {
             offset: DVec3::new(0.7, -1.1, 0.9) * (2e-6 * s.volume.min_spacing()),
         };
         let (_, scene, view, _) = nudge.apply(&s);
-        let nudged = picture_of(&s.volume, &scene, &view, &s.curve);
+        let nudged = picture_of(&s.volume, &scene, &view, &s.curve, &s.surfaces);
         let difference = largest_difference(&nudged, &reference(&s)) * 255.0;
         assert!(difference < 0.02, "{}: {difference}/255", s.name);
     }
@@ -149,7 +162,7 @@ fn pictures_do_not_depend_on_the_frame_of_reference() {
     let smooth = |s: &TestScene| s.scene.march.interpolation == Interpolation::Linear;
     for s in all().into_iter().filter(smooth) {
         let (volume, scene, view, curve) = motion.apply(&s);
-        let moved = picture_of(&volume, &scene, &view, &curve);
+        let moved = picture_of(&volume, &scene, &view, &curve, &s.surfaces);
         let still = reference(&s);
         let difference = largest_difference(&moved, &still);
         assert!(difference < 1e-11, "{}: {difference:e}", s.name);

@@ -11,8 +11,25 @@ pub struct Picture {
     /// Distance along the ray, mm, at which accumulated opacity first reaches the scene's depth threshold;
     /// infinite where it never does.
     pub depth: Vec<f32>,
+    /// Distance along the ray, mm, at which half the light from behind is left; infinite where more is.
+    pub median_depth: Vec<f32>,
+    /// What else each ray found; see `measured`.
+    pub measure: Vec<f32>,
+    /// What `measure` is.
+    pub measured: Measured,
     /// Field samples that each ray took.
     pub samples: Vec<u32>,
+}
+
+/// What a projection measures of every ray besides its colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measured {
+    /// Mean distance, mm, of what is seen, weighted by how much of it is; infinite where nothing is.
+    ExpectedDepth,
+    /// Optical depth of the whole ray.
+    OpticalDepth,
+    /// The value that was projected, in the file's own units; not a number where the volume is missed.
+    Value,
 }
 
 impl Picture {

@@ -7,7 +7,7 @@ use std::path::Path;
 use glam::{DAffine3, DMat3, DVec3};
 use umbravox::Error;
 use umbravox::output::{self, Target};
-use umbravox::picture::Picture;
+use umbravox::picture::{Measured, Picture};
 use umbravox::scene::{ColorManagement, Image, srgb_from_linear};
 
 /// 3 x 2: nothing, half covered, opaque; over-bright, faint, opaque.
@@ -23,6 +23,9 @@ fn picture() -> Picture {
             [0.0, 0.0, 0.0, 1.0],
         ],
         depth: vec![f32::INFINITY, 1.5, 2.5, 3.5, f32::INFINITY, 4.5],
+        median_depth: vec![f32::INFINITY, 2.5, 3.0, 4.0, f32::INFINITY, 5.0],
+        measure: vec![f32::INFINITY, 2.0, 2.75, 3.75, 1.0, 4.75],
+        measured: Measured::ExpectedDepth,
         samples: vec![0, 10, 20, 30, 40, 50],
     }
 }
@@ -180,7 +183,17 @@ fn exr_holds_linear_radiance_and_layers() {
         .collect();
     assert_eq!(
         names,
-        ["A", "B", "G", "R", "depth.Z", "opacity.Y", "samples.Y"]
+        [
+            "A",
+            "B",
+            "G",
+            "R",
+            "depth.Z",
+            "expected_depth.Z",
+            "median_depth.Z",
+            "opacity.Y",
+            "samples.Y"
+        ]
     );
     let picture = picture();
     let background = settings.color_management.decode(settings.background);
@@ -196,6 +209,8 @@ fn exr_holds_linear_radiance_and_layers() {
     assert_eq!(values("A"), opacity);
     assert_eq!(values("opacity.Y"), opacity);
     assert_eq!(values("depth.Z"), picture.depth);
+    assert_eq!(values("median_depth.Z"), picture.median_depth);
+    assert_eq!(values("expected_depth.Z"), picture.measure);
     assert_eq!(values("samples.Y"), [0.0, 10.0, 20.0, 30.0, 40.0, 50.0]);
     let source = layer.attributes.other.get(&Text::from("umbravox"));
     assert_eq!(
@@ -237,6 +252,9 @@ fn failed_writes_leave_the_old_file_and_nothing_else() {
         size: [0, 0],
         rgba: vec![],
         depth: vec![],
+        median_depth: vec![],
+        measure: vec![],
+        measured: Measured::ExpectedDepth,
         samples: vec![],
     };
     assert!(target.write(&empty, &Image::default(), &[]).is_err());

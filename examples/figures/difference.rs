@@ -1,6 +1,6 @@
 //! How far two pictures are apart to the eye.
 
-use umbravox::picture::Picture;
+use umbravox::picture::{Measured, Picture};
 use umbravox::scene::{Image, linear_from_srgb, srgb_from_linear};
 
 /// Opacity from which a pixel counts as covered.
@@ -47,6 +47,9 @@ impl Difference {
                 .map(|g| [g, g, g, 1.0])
                 .collect(),
             depth: vec![0.0; self.by_pixel.len()],
+            median_depth: vec![0.0; self.by_pixel.len()],
+            measure: vec![0.0; self.by_pixel.len()],
+            measured: Measured::ExpectedDepth,
             samples: vec![0; self.by_pixel.len()],
         }
     }

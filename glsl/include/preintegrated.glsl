@@ -19,23 +19,22 @@ float table_place(float value) {
 
 // By hand: a texture unit's weights are too coarse, and a place on an entry must not see its neighbour, or empty space would not
 // be empty.
-vec4 table_between(sampler2D table, ivec2 i, vec2 f) {
-    vec4 low = mix(texelFetch(table, i, 0), texelFetch(table, i + ivec2(1, 0), 0), f.x);
-    vec4 high = mix(texelFetch(table, i + ivec2(0, 1), 0), texelFetch(table, i + ivec2(1, 1), 0), f.x);
-    return mix(low, high, f.y);
-}
+// (A macro: reflection does not follow samplers into functions.)
+#define TABLE_BETWEEN(table, i, f) \
+    mix(mix(texelFetch(table, i, 0), texelFetch(table, i + ivec2(1, 0), 0), f.x), \
+        mix(texelFetch(table, i + ivec2(0, 1), 0), texelFetch(table, i + ivec2(1, 1), 0), f.x), f.y)
 
 // A whole step from one value to another; places from table_place.
 Classified classify_step(float front, float back) {
     vec2 at = vec2(front, back);
     ivec2 i = ivec2(min(at, vec2(volume.table_last - 1.0)));
     vec2 f = at - vec2(i);
-    vec4 step = table_between(t_preintegrated, i, f);
+    vec4 step = TABLE_BETWEEN(t_preintegrated, i, f);
     // The table holds associated colours, which is what can be interpolated.
     float per_opacity = step.a > 0.0 ? 1.0 / step.a : 0.0;
     Classified c = Classified(step.rgb * per_opacity, vec3(0.0), step.a);
     if (EMISSION) {
-        c.emission = table_between(t_preintegrated_emission, i, f).rgb * per_opacity;
+        c.emission = TABLE_BETWEEN(t_preintegrated_emission, i, f).rgb * per_opacity;
     }
     return c;
 }

@@ -370,6 +370,7 @@ mod tests {
                 (255.0, 0.0),
             ]),
             U8,
+            false,
         );
         assert!(peak.visible([0.0, 255.0]));
         assert!(peak.visible([99.5, 99.5]));

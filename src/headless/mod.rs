@@ -11,9 +11,9 @@ use crate::embed::record_owned;
 use crate::error::{Error, Result};
 use crate::gpu::memory::MemoryLocation;
 use crate::gpu::{Buffer, CopyBox, HostMemory, Image, ImageInfo, OwnedDevice, OwnedDeviceInfo};
-use crate::picture::Picture;
+use crate::picture::{Measured, Picture};
 use crate::renderer::{Frame, FrameReport, FrameTarget, RayBasis, Renderer, Settings, Work};
-use crate::scene::{Scene, View};
+use crate::scene::{RayProjection, Scene, View};
 use crate::volume::Volume;
 
 pub use crate::gpu::DeviceInfo;
@@ -138,11 +138,20 @@ fn lock(device: &SharedDevice) -> std::sync::MutexGuard<'_, OwnedDevice> {
     device.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// What the shaders measure besides colour.
+fn measured(projection: RayProjection) -> Measured {
+    match projection {
+        RayProjection::Composite | RayProjection::Isosurface => Measured::ExpectedDepth,
+        RayProjection::Xray => Measured::OpticalDepth,
+        RayProjection::Maximum | RayProjection::Minimum | RayProjection::Mean => Measured::Value,
+    }
+}
+
 /// A volume on a device of our own, with a camera.
 pub struct Session {
     renderer: Renderer,
     target: Image,
-    /// x: depth, y: sample count.
+    /// Depth, sample count, median depth, and what the projection measures.
     aux: Image,
     view: View,
     times: stats::Times,
@@ -261,6 +270,9 @@ impl Session {
             size: self.size(),
             rgba,
             depth: aux.iter().map(|a| a[0]).collect(),
+            median_depth: aux.iter().map(|a| a[2]).collect(),
+            measure: aux.iter().map(|a| a[3]).collect(),
+            measured: measured(self.settings().march.projection),
             samples,
         })
     }

@@ -10,7 +10,7 @@ use exr::prelude::{
 
 use super::{Provenance, atomic};
 use crate::error::{Error, Result};
-use crate::picture::Picture;
+use crate::picture::{Measured, Picture};
 use crate::scene;
 
 /// Name of the attribute with the provenance, a JSON object.
@@ -64,8 +64,17 @@ fn channels(picture: &Picture, settings: &scene::Image) -> AnyChannels<FlatSampl
         ("B", radiance(2)),
         ("A", opacity.clone()),
         ("depth.Z", picture.depth.clone()),
+        ("median_depth.Z", picture.median_depth.clone()),
         ("opacity.Y", opacity),
         ("samples.Y", samples),
+        (
+            match picture.measured {
+                Measured::ExpectedDepth => "expected_depth.Z",
+                Measured::OpticalDepth => "optical_depth.Y",
+                Measured::Value => "value.Y",
+            },
+            picture.measure.clone(),
+        ),
     ];
     let channels = list
         .into_iter()

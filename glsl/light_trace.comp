@@ -70,9 +70,8 @@ vec4 light_along(vec3 p_ix, int level) {
             ++m;
             continue;
         }
-        ivec3 block_bx = block_of(sample_ix);
         uint distance = skip_distance(sample_ix);
-        Brick brick = brick_fetch(block_bx);
+        Brick brick = brick_at(sample_ix);
         if (distance > 0u || !brick.resident) {
             // All within distance - 1 cells is empty too. (Where exactly the ray leaves that box is not worth finding out:
             // rays are short.)

@@ -29,7 +29,7 @@ use crate::error::{Error, Result};
 use crate::gpu::{
     Access, HostTransition, HostUse, Image, OwnedRecording, Recorder, transition_host_images,
 };
-use crate::pass::march::MarchVariant;
+use crate::pass::picture::PictureVariant;
 use crate::renderer::{self, Frame, FrameDepth, FrameTarget, RayBasis, Work, ix_from_clip};
 use crate::scene::View;
 
@@ -246,8 +246,8 @@ fn check(input: &FrameInput) -> Result<()> {
         return Err(Error::invalid("target.size_px", message));
     }
     let blends = background == Background::Target;
-    if blends && !MarchVariant::BLENDABLE.contains(&format) {
-        let valid = MarchVariant::BLENDABLE;
+    if blends && !PictureVariant::BLENDABLE.contains(&format) {
+        let valid = PictureVariant::BLENDABLE;
         let message = format!("{format:?} cannot be blended over; {valid:?} can");
         return Err(Error::invalid("target.format", message));
     }

@@ -2,27 +2,23 @@
 // jumps at control points stay jumps; rows 2 and 3 hold emission and the light pass's opacity in the same way.
 // Fetched, not filtered: a filter unit has 8 bits between entries.
 
+#include "optical_depth.glsl"
+
 layout(constant_id = SPEC_EMISSION) const bool EMISSION = false;
 
 layout(set = 0, binding = BINDING_TRANSFER) uniform sampler2D t_transfer;
+
+// When it is applied: after interpolation, before it, or along each segment (src/pass/march.rs).
+const uint POST = 0u;
+const uint PRE = 1u;
+const uint PREINTEGRATED = 2u;
+layout(constant_id = SPEC_CLASSIFICATION) const uint CLASSIFICATION = 0;
 
 struct Classified {
     vec3 color;     // linear, not premultiplied
     vec3 emission;
     float opacity;  // over a whole sample
 };
-
-// Opacity over `exponent` times the length it is given for, 1 - (1 - a)^exponent, accurate for small opacities too: in
-// 32 bits 1 - a keeps only a few digits of an `a` of 1e-5, and a thousand such samples add their error up.
-float opacity_over(float opacity, float exponent) {
-    float extinction = opacity < 0.03
-        ? opacity * (1.0 + opacity * (0.5 + opacity * (0.333333333 + opacity * (0.25 + opacity * 0.2))))
-        : opacity < 1.0 ? -log(1.0 - opacity) : 1e30; // opaque is opaque at any length
-    float depth = extinction * exponent;
-    return depth < 0.03
-        ? depth * (1.0 - depth * (0.5 - depth * (0.166666667 - depth * 0.041666667)))
-        : 1.0 - exp(-depth);
-}
 
 // Some bins are not linear in the opacity over a whole sample. (Bins with a branch of their own are no cure: CPU drivers
 // execute both sides.)

@@ -1,11 +1,25 @@
 // Front-to-back compositing along a ray.
 
+// What a ray has gathered. Depths are distances from the ray's origin, infinite where there is none.
 struct Accumulated {
-    vec3 radiance;   // premultiplied
+    vec3 radiance;        // premultiplied
     float opacity;
-    float depth_mm;  // of the first segment at which opacity reached the threshold; infinite: none
+    float depth_mm;       // where opacity reached the threshold
+    float median_mm;      // where opacity reached 0.5
+    float depth_sum;      // depths (mm), weighted by what each sample adds to the opacity
+    float optical_depth;
     uint samples;
 };
+
+const float MEDIAN_OPACITY = 0.5;
+
+float infinite() {
+    return uintBitsToFloat(0x7f800000u);
+}
+
+Accumulated nothing() {
+    return Accumulated(vec3(0.0), 0.0, infinite(), infinite(), 0.0, 0.0, 0u);
+}
 
 void composite(inout Accumulated acc, vec3 color, float alpha) {
     // `precise`: variants of this pass must not differ in the last bit.
@@ -14,4 +28,17 @@ void composite(inout Accumulated acc, vec3 color, float alpha) {
     precise float opacity = acc.opacity + weight;
     acc.radiance = radiance;
     acc.opacity = opacity;
+}
+
+// Adds what a sample of opacity `alpha` at a depth says of depths; called before composite().
+void gather_depth(inout Accumulated acc, float alpha, float depth_mm, float threshold) {
+    float weight = (1.0 - acc.opacity) * alpha;
+    float after = acc.opacity + weight;
+    acc.depth_sum += weight * depth_mm;
+    acc.depth_mm = isinf(acc.depth_mm) && after >= threshold ? depth_mm : acc.depth_mm;
+    acc.median_mm = isinf(acc.median_mm) && after >= MEDIAN_OPACITY ? depth_mm : acc.median_mm;
+}
+
+float expected_depth(Accumulated acc) {
+    return acc.opacity > 0.0 ? acc.depth_sum / acc.opacity : infinite();
 }

@@ -1,6 +1,7 @@
 // The field between samples. Includes volume.glsl first.
 
-layout(constant_id = SPEC_NEAREST) const bool NEAREST = false;
+// 0 nearest, 1 trilinear, 2 tri-cubic B-spline, 3 tri-cubic Catmull-Rom (src/pass/mod.rs).
+layout(constant_id = SPEC_INTERPOLATION) const uint INTERPOLATION = 1;
 layout(constant_id = SPEC_BLOCKS_APART) const bool BLOCKS_APART = false;
 // Formats that the texture unit cannot filter are filtered here.
 layout(constant_id = SPEC_MANUAL_FILTER) const bool MANUAL_FILTER = false;
@@ -15,8 +16,10 @@ vec3 brick_local(Brick b, vec3 p_ix) {
     if (BLOCKS_APART) {
         // No interpolation between blocks: the apron, which belongs to the next block, is not used. The last block of an axis has
         // no next one and keeps its last sample.
-        bvec3 last = lessThanEqual(volume.field_ix, b.base_ix + float(BLOCK_CELLS));
-        local = min(local, mix(b.intervals - 1.0, b.intervals, vec3(last)));
+        vec3 block_ix = vec3(block_of(p_ix) * BLOCK_CELLS);
+        bvec3 last = lessThanEqual(volume.field_ix, block_ix + float(BLOCK_CELLS));
+        vec3 end = UNIFORM_GRID ? block_ix + float(BLOCK_CELLS) : b.intervals;
+        local = min(local, mix(end - 1.0, end, vec3(last)));
     }
     return local;
 }
@@ -46,10 +49,22 @@ float reconstruct_linear(Brick b, vec3 local) {
     return textureLod(t_atlas, uvw, 0.0).r;
 }
 
-// Texture sample at a position inside a brick (`local` from brick_local).
-float reconstruct_local(Brick b, vec3 local) {
-    if (NEAREST) {
-        return atlas_texel(ivec3(b.origin_at + floor(local + 0.5)));
+// The trilinear field at any position, beyond the volume that of its border. `near` stands in where nothing is resident.
+float field_linear(Brick near, vec3 p_ix) {
+    p_ix = clamp(p_ix, vec3(0.0), volume.field_ix);
+    Brick there = brick_near(p_ix, near);
+    return reconstruct_linear(there, brick_local(there, p_ix));
+}
+
+#include "cubic.glsl"
+
+// Texture sample at a position inside a brick.
+float reconstruct(Brick b, vec3 p_ix) {
+    vec3 local = brick_local(b, p_ix);
+    switch (INTERPOLATION) {
+    case 0u: return atlas_texel(ivec3(b.origin_at + floor(local + 0.5)));
+    case 2u: return bspline_value(b, local);
+    case 3u: return catmull_rom_value(b, local);
+    default: return reconstruct_linear(b, local);
     }
-    return reconstruct_linear(b, local);
 }

@@ -12,11 +12,11 @@ struct VolumeParams {
     ivec3 skip_extent;      // skip cells on each axis
     float bins;             // number of bins of the transfer function
     vec3 gradient_x_ws;     // world gradient of index x: columns of the inverse transpose of world_from_ix
-    float pad0;
+    float table_first;      // texture sample at which the transfer function's first control point lies
     vec3 gradient_y_ws;
-    float pad1;
+    float table_from_sample; // 1 / (texture samples from the first control point to the last)
     vec3 gradient_z_ws;
-    float pad2;
+    float table_last;       // entries on an axis of the preintegrated table - 1
 };
 
 // What changes with the camera. A ray through pixel (px, py) starts at origin + px origin_dx + py origin_dy and goes
@@ -48,7 +48,21 @@ struct FrameParams {
     vec4 ix_from_clip_w;
     uvec2 size_px;
     uint frame;
-    uint pad0;
+    float value_from_sample;  // values in the file's units from texture samples: factor
+    float value_offset;       // and summand
+    float pad0;
+    float pad1;
+    float pad2;
+};
+
+// Isosurfaces, by value ascending.
+struct SurfaceParams {
+    vec4 values[2];    // texture samples, four a vector
+    vec4 colors[8];    // linear, not premultiplied; opacity
+    uint count;
+    uint bisections;   // of a segment that a surface crosses
+    float pad0;
+    float pad1;
 };
 
 // Tile of one dispatch of the march.

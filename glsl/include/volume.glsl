@@ -8,7 +8,7 @@ const int BLOCK_CELLS = 16;    // voxel cells on an axis of a block
 const int SKIP_CELLS = 4;      // voxel cells on an axis of a skip cell
 const int FINEST_LEVEL = 4;
 
-// Every block is resident at the finest level, and bricks lie as their blocks do: places are computed, not looked up.
+// Every block is resident at the finest level, and bricks lie as their blocks do: the atlas is the volume itself.
 layout(constant_id = SPEC_UNIFORM_GRID) const bool UNIFORM_GRID = false;
 
 // A resident brick. It covers the closed block and stores `intervals + 1` samples on each axis.
@@ -35,7 +35,7 @@ Brick brick_fetch(ivec3 block_bx) {
         b.cells = min(vec3(BLOCK_CELLS), volume.field_ix - b.base_ix);
         b.intervals = b.cells;
         b.scale = vec3(1.0);
-        b.origin_at = vec3(block_bx * (BLOCK_CELLS + 1));
+        b.origin_at = b.base_ix;
         return b;
     }
     uvec4 entry = texelFetch(t_index, block_bx, 0);
@@ -48,4 +48,18 @@ Brick brick_fetch(ivec3 block_bx) {
     b.scale = finest ? vec3(1.0) : b.intervals / b.cells;
     b.origin_at = vec3(entry.xyz);
     return b;
+}
+
+// The brick in which a position is reconstructed: where the atlas is the volume, the volume.
+Brick brick_at(vec3 p_ix) {
+    if (UNIFORM_GRID) {
+        return Brick(true, FINEST_LEVEL, vec3(0.0), volume.field_ix, vec3(1.0), volume.field_ix, vec3(0.0));
+    }
+    return brick_fetch(block_of(p_ix));
+}
+
+// The brick at another position; `fallback` where nothing is resident.
+Brick brick_near(vec3 p_ix, Brick fallback) {
+    Brick b = brick_at(p_ix);
+    return b.resident ? b : fallback;
 }

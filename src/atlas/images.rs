@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::{LightWork, Residency, Store, TransferTable};
+use super::{INTEGRAL_ROWS, LightWork, Residency, Store, TransferTable};
 use crate::error::{Error, Result};
 use crate::gpu::memory::MemoryLocation;
 use crate::gpu::{Buffer, Context, Filter, Image, ImageInfo, Sampler};
@@ -158,6 +158,58 @@ impl Images {
             &self.nearest
         } else {
             &self.linear
+        }
+    }
+}
+
+/// The device side of pre-integrated classification.
+pub(crate) struct TableImages {
+    /// Integrals along the transfer function: see [`super::Preintegration::texels`].
+    pub(crate) integrals: Image,
+    /// What a whole step shows, by the values at its front (x) and its back (y): associated colour, opacity.
+    pub(crate) table: Image,
+    /// Associated emission likewise; one texel without.
+    pub(crate) emission: Image,
+}
+
+impl TableImages {
+    pub(crate) fn new(
+        context: &Arc<Context>,
+        name: &str,
+        entries: u32,
+        emits: bool,
+    ) -> Result<Self> {
+        let image = |part: &str, extent: [u32; 2], usage| {
+            Image::new(
+                context,
+                &ImageInfo {
+                    name: &format!("{name}.{part}"),
+                    extent: [extent[0], extent[1], 1],
+                    format: vk::Format::R32G32B32A32_SFLOAT,
+                    three_dimensional: false,
+                    usage: vk::ImageUsageFlags::SAMPLED | usage,
+                },
+            )
+        };
+        let (copied, stored) = (
+            vk::ImageUsageFlags::TRANSFER_DST,
+            vk::ImageUsageFlags::STORAGE,
+        );
+        Ok(Self {
+            integrals: image("integrals", [entries, INTEGRAL_ROWS], copied)?,
+            table: image("preintegrated", [entries; 2], stored)?,
+            emission: image(
+                "preintegrated_emission",
+                if emits { [entries; 2] } else { [1; 2] },
+                stored,
+            )?,
+        })
+    }
+
+    /// See [`Image::forget`].
+    pub(crate) fn forget(&self) {
+        for image in [&self.integrals, &self.table, &self.emission] {
+            image.forget();
         }
     }
 }

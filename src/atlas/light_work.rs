@@ -127,6 +127,8 @@ impl GroupFinder<'_> {
             seam: Vec::new(),
         };
         let groups = intervals.map(|n| n / GROUP + 1);
+        // Where the atlas is the volume itself, bricks share their samples, and nothing has to be copied.
+        let shared = self.residency.layout.is_grid();
         for z in 0..groups[2] {
             for y in 0..groups[1] {
                 for x in 0..groups[0] {
@@ -144,7 +146,8 @@ impl GroupFinder<'_> {
                     }
                     let reaches_end = (0..3).any(|a| group[a] * GROUP + GROUP > intervals[a]);
                     let on_border = reaches_end || group.contains(&0);
-                    if (reaches_end && around.any) || (on_border && around.any_coarser) {
+                    if !shared && ((reaches_end && around.any) || (on_border && around.any_coarser))
+                    {
                         work.seam.push(packed);
                     }
                 }

@@ -5,14 +5,18 @@
 
 mod images;
 mod light_work;
+mod preintegration;
 mod residency;
+mod shown;
 mod transfer_table;
 mod upload;
 mod visibility;
 
-pub(crate) use images::{Images, LIGHT_TEXEL_BYTES, LightLists};
+pub(crate) use images::{Images, LIGHT_TEXEL_BYTES, LightLists, TableImages};
 pub(crate) use light_work::{GROUP, LightWork};
+pub(crate) use preintegration::{Preintegration, ROWS as INTEGRAL_ROWS};
 pub(crate) use residency::{Residency, Store};
+pub(crate) use shown::Shown;
 pub(crate) use transfer_table::{SampleLengths, SampleScale, TransferTable};
 pub(crate) use upload::{UploadResources, Uploads};
 pub(crate) use visibility::Visibility;

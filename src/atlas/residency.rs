@@ -12,7 +12,7 @@ use crate::volume::layout::AtlasLayout;
 use crate::volume::select::{Request, Selection, select};
 use crate::volume::statistics::BlockStatistics;
 
-use super::TransferTable;
+use super::Shown;
 
 /// A volume and the statistics of its blocks; made once for each volume.
 pub(crate) struct Store {
@@ -39,17 +39,17 @@ pub(crate) struct Residency {
 }
 
 impl Residency {
-    /// Chooses levels for a transfer function.
+    /// Chooses levels for what is shown.
     pub(crate) fn select(
         store: &Store,
-        table: &TransferTable,
+        shown: &Shown<'_>,
         storage: &scene::Storage,
         light_texel_bytes: u32,
     ) -> Result<Selection> {
         let voxel_bytes = store.volume.voxels().voxel_type().bytes() as u32;
         select(
             &store.statistics,
-            table,
+            shown,
             &Request {
                 data_reduction: storage.data_reduction,
                 max_bytes: (storage.memory_budget_mib * 1024.0 * 1024.0) as u64,

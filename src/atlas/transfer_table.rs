@@ -3,6 +3,7 @@
 //! Each bin keeps its value at its start and at its end, so that jumps at control points stay jumps, and the number of bins is
 //! chosen so that control points fall on bin borders wherever possible: then the table is exact, not an approximation.
 
+use super::Preintegration;
 use crate::scene::{Curve, Optical};
 use crate::volume::select::Classify;
 use crate::volume::{Volume, VoxelType};
@@ -38,7 +39,7 @@ impl SampleScale {
         }
     }
 
-    fn sample(self, value: f64) -> f64 {
+    pub(crate) fn sample(self, value: f64) -> f64 {
         (value - self.offset) / self.scale
     }
 }
@@ -56,6 +57,8 @@ pub(crate) struct TransferTable {
     ends: Vec<Optical>,
     /// Number of bins before each that show something.
     shown_before: Vec<u32>,
+    /// Of pre-integrated classification, its table.
+    preintegration: Option<Preintegration>,
 }
 
 impl TransferTable {
@@ -64,7 +67,8 @@ impl TransferTable {
     /// Its rows: colour and opacity at starts and at ends of bins, emission likewise.
     pub(crate) const ROWS: u32 = 4;
 
-    pub(crate) fn new(curve: &Curve, samples: SampleScale) -> Self {
+    /// `preintegrated`: with a table over the two ends of a segment.
+    pub(crate) fn new(curve: &Curve, samples: SampleScale, preintegrated: bool) -> Self {
         let values: Vec<f64> = curve.points.iter().map(|p| p.value).collect();
         let (low, high) = (
             values.first().copied().unwrap_or(0.0),
@@ -96,7 +100,7 @@ impl TransferTable {
         let mut ends = vec![first_point];
         for b in 0..bins {
             starts.push(curve.evaluate(border(b)));
-            ends.push(before(curve, border(b + 1)));
+            ends.push(curve.before(border(b + 1)));
         }
         starts.push(last_point);
         ends.push(last_point);
@@ -113,7 +117,18 @@ impl TransferTable {
             starts,
             ends,
             shown_before,
+            preintegration: preintegrated.then(|| Preintegration::new(curve)),
         }
+    }
+
+    /// The table over the two ends of a segment, if there is one.
+    pub(crate) fn preintegration(&self) -> Option<&Preintegration> {
+        self.preintegration.as_ref()
+    }
+
+    /// Texture samples to values.
+    pub(crate) fn samples(&self) -> SampleScale {
+        self.samples
     }
 
     /// Bins, padding included.
@@ -196,15 +211,6 @@ fn shows(o: &Optical) -> bool {
     o.opacity > 0.0 || o.emission.iter().any(|&e| e > 0.0)
 }
 
-/// The function just below a value: the left-hand side of a jump.
-fn before(curve: &Curve, value: f64) -> Optical {
-    let at = curve.points.partition_point(|p| p.value < value);
-    match curve.points.get(at) {
-        Some(p) if p.value == value => p.optical,
-        _ => curve.evaluate(value),
-    }
-}
-
 /// The number of bins that puts control points nearest to bin borders; the largest such.
 fn best_bins(values: &[f64]) -> usize {
     let low = values[0];
@@ -245,6 +251,9 @@ impl Classify for TransferTable {
         // A texture unit's result is off by a few units in the last place, and so is the difference to `first`. A sample
         // of 0 is exact, and so is bin 1 of a function that starts there: a background of 0 stays invisible.
         let margin = (4e-7 * magnitude + 2e-7 * first.abs()) * scale.abs();
+        if let Some(table) = &self.preintegration {
+            return table.visible(range, margin * self.width);
+        }
         let mut x = sample.map(|s| (s - first) * scale);
         x.sort_by(f64::total_cmp);
         let last = self.bins() as f64;
@@ -317,7 +326,7 @@ mod tests {
         ];
         for points in tables {
             let curve = curve(&points);
-            let table = TransferTable::new(&curve, U8);
+            let table = TransferTable::new(&curve, U8, false);
             let texels = table.texels(SampleLengths {
                 march: 1.0,
                 light: 1.0,
@@ -340,14 +349,15 @@ mod tests {
 
     #[test]
     fn visibility_is_exact_at_the_borders_of_transparency() {
-        let table = TransferTable::new(&curve(&[(0.0, 0.0), (100.0, 0.0), (200.0, 1.0)]), U8);
+        let table =
+            TransferTable::new(&curve(&[(0.0, 0.0), (100.0, 0.0), (200.0, 1.0)]), U8, false);
         assert!(!table.visible([0.0, 0.0]));
         assert!(!table.visible([-50.0, 99.9]));
         assert!(table.visible([0.0, 100.1]));
         assert!(table.visible([150.0, 150.0]));
         assert!(table.visible([300.0, 400.0]));
         // Background exactly where a ramp starts stays invisible: a texture unit returns 0 for 0.
-        let ramp = TransferTable::new(&curve(&[(0.0, 0.0), (255.0, 1.0)]), U8);
+        let ramp = TransferTable::new(&curve(&[(0.0, 0.0), (255.0, 1.0)]), U8, false);
         assert!(!ramp.visible([0.0, 0.0]));
         assert!(ramp.visible([0.0, 1.0]));
         // A peak of one bin between transparent ends is found from a range around it.
@@ -376,7 +386,7 @@ mod tests {
             (200.0, 0.0),
             (201.0, 0.5),
         ]);
-        let table = TransferTable::new(&curve, U8);
+        let table = TransferTable::new(&curve, U8, false);
         for low in 0..400 {
             for length in 0..40 {
                 let (a, b) = (

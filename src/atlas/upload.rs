@@ -87,7 +87,7 @@ impl Uploads {
             self.index = true;
         }
         if self.index {
-            let ready = self.ready(store);
+            let ready = self.ready(store, residency);
             let texels = Images::index_texels(residency, |block| ready[block]);
             whole(
                 context,
@@ -129,13 +129,26 @@ impl Uploads {
         Ok(uploaded)
     }
 
-    /// By block: is its brick on the device?
-    fn ready(&self, store: &Store) -> Vec<bool> {
-        let mut ready = vec![false; store.grid().len()];
+    /// By block: are all the texels of its brick on the device?
+    fn ready(&self, store: &Store, residency: &Residency) -> Vec<bool> {
+        let grid = store.grid();
+        let mut copied = vec![false; grid.len()];
         for &block in &self.blocks[..self.next] {
-            ready[block] = true;
+            copied[block] = true;
         }
-        ready
+        if self.bricks_complete() || !residency.layout.is_grid() {
+            return copied;
+        }
+        // Bricks that lie as their blocks do have their last texels from the next ones.
+        let next = |corner: i32| [corner & 1, corner >> 1 & 1, corner >> 2];
+        (0..grid.len())
+            .map(|block| {
+                (0..8).all(|corner| {
+                    grid.neighbor(block, next(corner))
+                        .is_none_or(|there| copied[there])
+                })
+            })
+            .collect()
     }
 
     fn bricks(

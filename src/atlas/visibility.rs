@@ -1,12 +1,13 @@
 //! What the transfer function shows of the resident bricks.
 
-use crate::volume::blocks::{BLOCK_CELLS, BlockGrid};
-use crate::volume::cells::{MAX_DISTANCE, SKIP_CELLS, chessboard_distance};
+use crate::scene::Interpolation;
+use crate::volume::blocks::{BLOCK_CELLS, BlockGrid, FINEST};
+use crate::volume::cells::{CellGrid, MAX_DISTANCE, Reach, SKIP_CELLS, chessboard_distance};
 use crate::volume::select::Classify as _;
 
-use super::TransferTable;
 use super::light_work::LightWork;
 use super::residency::{Residency, Store};
+use super::{SampleScale, Shown};
 
 /// Skip distances, and the samples of the light volume that can be seen.
 pub(crate) struct Visibility {
@@ -21,11 +22,16 @@ impl Visibility {
     pub(crate) fn new(
         store: &Store,
         residency: &Residency,
-        table: &TransferTable,
+        shown: &Shown<'_>,
+        interpolation: Interpolation,
         lit: bool,
     ) -> Self {
         let counts = residency.cells.counts();
-        let occupancy = residency.cells.occupancy(|range| table.visible(range));
+        let visible = |range| shown.visible(range);
+        let occupancy = match Self::reach(residency, interpolation) {
+            None => residency.cells.occupancy(visible),
+            Some(reach) => residency.cells.widened(reach).occupancy(visible),
+        };
         let light = if lit {
             LightWork::new(store.grid(), residency, counts, &occupancy)
         } else {
@@ -34,6 +40,52 @@ impl Visibility {
         let mut distances = chessboard_distance(counts, &occupancy);
         mark_whole_blocks(store.grid(), counts, &mut distances);
         Self { distances, light }
+    }
+
+    /// Value ranges of skip cells, for projections of values: `[least, largest]` texture samples of each.
+    pub(crate) fn sample_ranges(
+        residency: &Residency,
+        interpolation: Interpolation,
+        samples: SampleScale,
+    ) -> Vec<[f32; 2]> {
+        let ranges = |cells: &CellGrid| {
+            (0..cells.len())
+                .map(|cell| {
+                    // Nothing there is neither above nor below anything.
+                    let Some(range) = cells.value_range(cell) else {
+                        return [f32::INFINITY, f32::NEG_INFINITY];
+                    };
+                    let mut range = range.map(|v| samples.sample(v) as f32);
+                    range.sort_by(f32::total_cmp);
+                    // What the device interpolates may be off by rounding.
+                    let margin = 1e-6 * range[0].abs().max(range[1].abs());
+                    [range[0] - margin, range[1] + margin]
+                })
+                .collect()
+        };
+        match Self::reach(residency, interpolation) {
+            None => ranges(&residency.cells),
+            Some(reach) => ranges(&residency.cells.widened(reach)),
+        }
+    }
+
+    /// How far beyond a skip cell a filter looks; `None` for those that do not.
+    fn reach(residency: &Residency, interpolation: Interpolation) -> Option<Reach> {
+        if !interpolation.is_cubic() {
+            return None;
+        }
+        let coarsest = residency.selection.levels.by_block.iter().flatten().min();
+        // One sample beyond the cell's own: a voxel at the finest level, and always less than half the spacing in cells more.
+        let spacing = BLOCK_CELLS >> coarsest.copied().unwrap_or(FINEST);
+        Some(Reach {
+            cells: (spacing / 2).max(1),
+            // Catmull-Rom's weights sum to 1.25^3 in magnitude.
+            overshoot: if interpolation == Interpolation::CatmullRom {
+                0.98
+            } else {
+                0.0
+            },
+        })
     }
 }
 

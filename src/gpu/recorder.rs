@@ -338,8 +338,7 @@ impl<'a> Recorder<'a> {
             "push constants of the pass"
         );
         let device = &self.context.device;
-        // SAFETY: recording, with `pipeline` bound; the push constants are those of its layout; group counts are within
-        // the limits that every device has (65535), kept by the callers.
+        // SAFETY: recording, with `pipeline` bound; the push constants are those of its layout.
         unsafe {
             device.cmd_push_constants(
                 self.cmd,
@@ -348,7 +347,23 @@ impl<'a> Recorder<'a> {
                 0,
                 bytemuck::bytes_of(push),
             );
-            device.cmd_dispatch(self.cmd, groups[0], groups[1], groups[2]);
         }
+        self.dispatch_bound(groups);
+    }
+
+    /// Dispatches the bound pipeline, of a pass without push constants, after the barriers collected.
+    pub(crate) fn dispatch_plain(&mut self, pipeline: &Pipeline, groups: [u32; 3]) {
+        self.flush();
+        debug_assert!(
+            pipeline.interface.push_constants.is_none(),
+            "push constants of the pass"
+        );
+        self.dispatch_bound(groups);
+    }
+
+    fn dispatch_bound(&mut self, [x, y, z]: [u32; 3]) {
+        // SAFETY: recording, with a pipeline bound that has its push constants; group counts are within the limits that every
+        // device has (65535), kept by the callers.
+        unsafe { self.context.device.cmd_dispatch(self.cmd, x, y, z) };
     }
 }

@@ -2,7 +2,8 @@
 
 pub(crate) mod bare;
 pub(crate) mod light;
-pub(crate) mod march;
+pub(crate) mod picture;
+pub(crate) mod preintegrate;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -10,6 +11,7 @@ use std::sync::Arc;
 use crate::atlas::Images;
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Image, Pipeline, Recorder, Sampler};
+use crate::scene::Interpolation;
 use crate::shader::PassInterface;
 
 /// Specialization constants: id and value.
@@ -28,7 +30,7 @@ impl Variants {
         }
     }
 
-    /// The pipeline of `interface` specialized by (id, value) pairs.
+    /// The pipeline of `interface` specialized by (id, value) pairs; those that it does not have are left out.
     pub(crate) fn get(
         &mut self,
         context: &Arc<Context>,
@@ -36,6 +38,8 @@ impl Variants {
         constants: Constants,
     ) -> Result<&Pipeline> {
         use std::collections::btree_map::Entry;
+        let mut constants = constants;
+        constants.retain(|(id, _)| interface.spec_ids.contains(id));
         match self.pipelines.entry((interface.module.name, constants)) {
             Entry::Occupied(there) => Ok(there.into_mut()),
             Entry::Vacant(free) => {
@@ -49,7 +53,7 @@ impl Variants {
 /// How the field is reconstructed, shared by all passes that sample it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Reconstruction {
-    pub(crate) nearest: bool,
+    pub(crate) interpolation: Interpolation,
     /// The texture unit cannot filter the voxel format.
     pub(crate) manual: bool,
     pub(crate) inter_block: bool,
@@ -65,11 +69,19 @@ impl Reconstruction {
     /// Specialization constants, the same ids in every pass.
     pub(crate) fn constants(self) -> Constants {
         use crate::shader::generated::{
-            SPEC_BLOCKS_APART, SPEC_EMISSION, SPEC_EXACT_BINS, SPEC_MANUAL_FILTER, SPEC_NEAREST,
-            SPEC_SKIPPING, SPEC_UNIFORM_GRID,
+            SPEC_BLOCKS_APART, SPEC_EMISSION, SPEC_EXACT_BINS, SPEC_INTERPOLATION,
+            SPEC_MANUAL_FILTER, SPEC_SKIPPING, SPEC_UNIFORM_GRID,
         };
         vec![
-            (SPEC_NEAREST, self.nearest.into()),
+            (
+                SPEC_INTERPOLATION,
+                match self.interpolation {
+                    Interpolation::Nearest => 0,
+                    Interpolation::Linear => 1,
+                    Interpolation::Bspline => 2,
+                    Interpolation::CatmullRom => 3,
+                },
+            ),
             (SPEC_MANUAL_FILTER, self.manual.into()),
             (SPEC_BLOCKS_APART, (!self.inter_block).into()),
             (SPEC_SKIPPING, self.skipping.into()),

@@ -3,8 +3,10 @@
 //! [`Renderer`] owns the data, the images and the passes of one volume. It records; who submits is no concern of it
 //! (`embed` for a host's command buffer, `headless` for our own).
 
+mod draw;
 mod light;
 mod loaded;
+mod prepared;
 mod rays;
 mod settings;
 
@@ -208,6 +210,7 @@ impl Renderer {
 /// Names of the passes, as labels, in timings and in crash reports.
 pub(crate) mod pass_name {
     pub(crate) const UPLOAD: &str = "upload";
+    pub(crate) const PREINTEGRATE: &str = "preintegrate";
     pub(crate) const LIGHT: &str = "light";
     pub(crate) const LIGHT_SEAM: &str = "light_seam";
     pub(crate) const MARCH: &str = "march";
@@ -230,7 +233,7 @@ pub(crate) fn record(
         loaded.record_light(context, recorder, volume)?;
     }
     if matches!(work, Work::Everything | Work::PictureOnly) {
-        loaded.record_march(context, recorder, volume, frame)?;
+        loaded.record_picture(context, recorder, volume, frame)?;
     }
     if work == Work::Bare {
         loaded.record_bare(context, recorder, volume, frame)?;

@@ -2,7 +2,8 @@
 
 use crate::error::Result;
 use crate::scene::{
-    AmbientOcclusion, Curve, Lighting, March, Scene, Storage, Surface, check_together,
+    AmbientOcclusion, Classification, Curve, Lighting, March, RayProjection, Scene, Storage,
+    Surface, check_together,
 };
 use crate::volume::Volume;
 
@@ -59,6 +60,14 @@ impl Settings {
             Some(ao) => ao.validate(),
             None => Ok(()),
         }
+    }
+
+    /// True when segments are classified by the values at their ends.
+    pub(super) fn is_preintegrated(&self) -> bool {
+        matches!(
+            self.march.projection,
+            RayProjection::Composite | RayProjection::Xray
+        ) && self.march.classification() == Classification::Preintegrated
     }
 
     /// True when the light volume of `self` is still right under `other`, given equal levels.

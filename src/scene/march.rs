@@ -114,6 +114,7 @@ pub struct March {
     /// Order of interpolation and classification; of use to the projections "composite" and "xray". Default: preintegrated,
     /// which comes closest to the integral; post where the field has jumps (nearest interpolation, blocks apart).
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Classification")]
     pub classification: Option<Classification>,
     /// What a ray makes of the field. Default composite.
     pub projection: RayProjection,

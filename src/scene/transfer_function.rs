@@ -121,6 +121,15 @@ impl Curve {
         }
     }
 
+    /// The function just below a value: the left-hand side of a jump.
+    pub fn before(&self, value: f64) -> Optical {
+        let at = self.points.partition_point(|p| p.value < value);
+        match self.points.get(at) {
+            Some(p) if p.value == value => p.optical,
+            _ => self.evaluate(value),
+        }
+    }
+
     /// True when some point emits.
     pub fn emits(&self) -> bool {
         self.points

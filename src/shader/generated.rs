@@ -10,6 +10,54 @@ pub static BARE: Module = Module {
     words: include_spirv!("bare.spv"),
 };
 
+/// `spirv/extremum.spv`.
+pub static EXTREMUM: Module = Module {
+    name: "extremum",
+    words: include_spirv!("extremum.spv"),
+};
+
+/// `spirv/extremum_blend_rgba16f.spv`.
+pub static EXTREMUM_BLEND_RGBA16F: Module = Module {
+    name: "extremum_blend_rgba16f",
+    words: include_spirv!("extremum_blend_rgba16f.spv"),
+};
+
+/// `spirv/extremum_blend_rgba32f.spv`.
+pub static EXTREMUM_BLEND_RGBA32F: Module = Module {
+    name: "extremum_blend_rgba32f",
+    words: include_spirv!("extremum_blend_rgba32f.spv"),
+};
+
+/// `spirv/extremum_blend_rgba8.spv`.
+pub static EXTREMUM_BLEND_RGBA8: Module = Module {
+    name: "extremum_blend_rgba8",
+    words: include_spirv!("extremum_blend_rgba8.spv"),
+};
+
+/// `spirv/isosurface.spv`.
+pub static ISOSURFACE: Module = Module {
+    name: "isosurface",
+    words: include_spirv!("isosurface.spv"),
+};
+
+/// `spirv/isosurface_blend_rgba16f.spv`.
+pub static ISOSURFACE_BLEND_RGBA16F: Module = Module {
+    name: "isosurface_blend_rgba16f",
+    words: include_spirv!("isosurface_blend_rgba16f.spv"),
+};
+
+/// `spirv/isosurface_blend_rgba32f.spv`.
+pub static ISOSURFACE_BLEND_RGBA32F: Module = Module {
+    name: "isosurface_blend_rgba32f",
+    words: include_spirv!("isosurface_blend_rgba32f.spv"),
+};
+
+/// `spirv/isosurface_blend_rgba8.spv`.
+pub static ISOSURFACE_BLEND_RGBA8: Module = Module {
+    name: "isosurface_blend_rgba8",
+    words: include_spirv!("isosurface_blend_rgba8.spv"),
+};
+
 /// `spirv/light_seam.spv`.
 pub static LIGHT_SEAM: Module = Module {
     name: "light_seam",
@@ -46,16 +94,31 @@ pub static MARCH_BLEND_RGBA8: Module = Module {
     words: include_spirv!("march_blend_rgba8.spv"),
 };
 
+/// `spirv/preintegrate.spv`.
+pub static PREINTEGRATE: Module = Module {
+    name: "preintegrate",
+    words: include_spirv!("preintegrate.spv"),
+};
+
 /// Every module, by name.
 #[rustfmt::skip]
 pub static MODULES: &[&Module] = &[
     &BARE,
+    &EXTREMUM,
+    &EXTREMUM_BLEND_RGBA16F,
+    &EXTREMUM_BLEND_RGBA32F,
+    &EXTREMUM_BLEND_RGBA8,
+    &ISOSURFACE,
+    &ISOSURFACE_BLEND_RGBA16F,
+    &ISOSURFACE_BLEND_RGBA32F,
+    &ISOSURFACE_BLEND_RGBA8,
     &LIGHT_SEAM,
     &LIGHT_TRACE,
     &MARCH,
     &MARCH_BLEND_RGBA16F,
     &MARCH_BLEND_RGBA32F,
     &MARCH_BLEND_RGBA8,
+    &PREINTEGRATE,
 ];
 
 pub const BINDING_VOLUME: u32 = 0;
@@ -86,7 +149,21 @@ pub const BINDING_LIGHT_STORE: u32 = 12;
 
 pub const BINDING_VOXELS: u32 = 13;
 
-pub const SPEC_NEAREST: u32 = 0;
+pub const BINDING_PREINTEGRATED: u32 = 14;
+
+pub const BINDING_PREINTEGRATED_EMISSION: u32 = 15;
+
+pub const BINDING_INTEGRALS: u32 = 16;
+
+pub const BINDING_PREINTEGRATED_STORE: u32 = 17;
+
+pub const BINDING_PREINTEGRATED_EMISSION_STORE: u32 = 18;
+
+pub const BINDING_RANGE: u32 = 19;
+
+pub const BINDING_SURFACES: u32 = 20;
+
+pub const SPEC_INTERPOLATION: u32 = 0;
 
 pub const SPEC_BLOCKS_APART: u32 = 1;
 
@@ -111,3 +188,11 @@ pub const SPEC_MANUAL_FILTER: u32 = 10;
 pub const SPEC_UNIFORM_GRID: u32 = 11;
 
 pub const SPEC_EXACT_BINS: u32 = 12;
+
+pub const SPEC_CLASSIFICATION: u32 = 13;
+
+pub const SPEC_GRADIENT: u32 = 14;
+
+pub const SPEC_XRAY: u32 = 15;
+
+pub const SPEC_PROJECTION: u32 = 16;

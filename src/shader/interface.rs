@@ -86,31 +86,41 @@ const fn storage_image(number: u32, access: Access) -> Binding {
     binding(number, DescriptorKind::StorageImage, access)
 }
 
-const fn march(module: &'static Module, bindings: &'static [Binding]) -> PassInterface {
+/// A program that draws a picture.
+const fn picture(
+    module: &'static Module,
+    bindings: &'static [Binding],
+    spec_ids: &'static [u32],
+) -> PassInterface {
     PassInterface {
         module,
         bindings,
         push_constants: Some(MarchPush::LAYOUT),
-        spec_ids: &[
-            SPEC_NEAREST,
-            SPEC_BLOCKS_APART,
-            SPEC_SKIPPING,
-            SPEC_EMISSION,
-            SPEC_LIGHT,
-            SPEC_DIFFUSE,
-            SPEC_JITTER,
-            SPEC_AUX,
-            SPEC_SCENE_DEPTH,
-            SPEC_ENCODE_SRGB,
-            SPEC_MANUAL_FILTER,
-            SPEC_UNIFORM_GRID,
-            SPEC_EXACT_BINS,
-        ],
+        spec_ids,
         local_size: [8, 8, 1],
     }
 }
 
-const fn march_bindings(target: Access) -> [Binding; 10] {
+const MARCH_SPEC_IDS: &[u32] = &[
+    SPEC_INTERPOLATION,
+    SPEC_BLOCKS_APART,
+    SPEC_SKIPPING,
+    SPEC_EMISSION,
+    SPEC_LIGHT,
+    SPEC_DIFFUSE,
+    SPEC_JITTER,
+    SPEC_AUX,
+    SPEC_SCENE_DEPTH,
+    SPEC_ENCODE_SRGB,
+    SPEC_MANUAL_FILTER,
+    SPEC_UNIFORM_GRID,
+    SPEC_EXACT_BINS,
+    SPEC_CLASSIFICATION,
+    SPEC_GRADIENT,
+    SPEC_XRAY,
+];
+
+const fn march_bindings(target: Access) -> [Binding; 12] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -122,23 +132,159 @@ const fn march_bindings(target: Access) -> [Binding; 10] {
         sampled(BINDING_SCENE_DEPTH),
         storage_image(BINDING_TARGET, target),
         storage_image(BINDING_AUX, Access::Write),
+        sampled(BINDING_PREINTEGRATED),
+        sampled(BINDING_PREINTEGRATED_EMISSION),
     ]
 }
 
 const MARCH_BINDINGS: &[Binding] = &march_bindings(Access::Write);
 const MARCH_BLEND_BINDINGS: &[Binding] = &march_bindings(Access::ReadWrite);
 
-/// March into a target of any format.
-pub const MARCH: PassInterface = march(&generated::MARCH, MARCH_BINDINGS);
-/// March over what an `R8G8B8A8_UNORM` target holds.
-pub const MARCH_BLEND_RGBA8: PassInterface =
-    march(&generated::MARCH_BLEND_RGBA8, MARCH_BLEND_BINDINGS);
-/// March over what an `R16G16B16A16_SFLOAT` target holds.
-pub const MARCH_BLEND_RGBA16F: PassInterface =
-    march(&generated::MARCH_BLEND_RGBA16F, MARCH_BLEND_BINDINGS);
-/// March over what an `R32G32B32A32_SFLOAT` target holds.
-pub const MARCH_BLEND_RGBA32F: PassInterface =
-    march(&generated::MARCH_BLEND_RGBA32F, MARCH_BLEND_BINDINGS);
+/// Emission and absorption into a target of any format.
+pub const MARCH: PassInterface = picture(&generated::MARCH, MARCH_BINDINGS, MARCH_SPEC_IDS);
+/// Over what an `R8G8B8A8_UNORM` target holds.
+pub const MARCH_BLEND_RGBA8: PassInterface = picture(
+    &generated::MARCH_BLEND_RGBA8,
+    MARCH_BLEND_BINDINGS,
+    MARCH_SPEC_IDS,
+);
+/// Over what an `R16G16B16A16_SFLOAT` target holds.
+pub const MARCH_BLEND_RGBA16F: PassInterface = picture(
+    &generated::MARCH_BLEND_RGBA16F,
+    MARCH_BLEND_BINDINGS,
+    MARCH_SPEC_IDS,
+);
+/// Over what an `R32G32B32A32_SFLOAT` target holds.
+pub const MARCH_BLEND_RGBA32F: PassInterface = picture(
+    &generated::MARCH_BLEND_RGBA32F,
+    MARCH_BLEND_BINDINGS,
+    MARCH_SPEC_IDS,
+);
+
+const EXTREMUM_SPEC_IDS: &[u32] = &[
+    SPEC_INTERPOLATION,
+    SPEC_BLOCKS_APART,
+    SPEC_SKIPPING,
+    SPEC_EMISSION,
+    SPEC_JITTER,
+    SPEC_AUX,
+    SPEC_SCENE_DEPTH,
+    SPEC_ENCODE_SRGB,
+    SPEC_MANUAL_FILTER,
+    SPEC_UNIFORM_GRID,
+    SPEC_EXACT_BINS,
+    SPEC_PROJECTION,
+];
+
+const fn extremum_bindings(target: Access) -> [Binding; 9] {
+    [
+        uniform(BINDING_VOLUME),
+        uniform(BINDING_FRAME),
+        sampled(BINDING_ATLAS),
+        sampled(BINDING_INDEX),
+        sampled(BINDING_TRANSFER),
+        sampled(BINDING_SCENE_DEPTH),
+        storage_image(BINDING_TARGET, target),
+        storage_image(BINDING_AUX, Access::Write),
+        sampled(BINDING_RANGE),
+    ]
+}
+
+const EXTREMUM_BINDINGS: &[Binding] = &extremum_bindings(Access::Write);
+const EXTREMUM_BLEND_BINDINGS: &[Binding] = &extremum_bindings(Access::ReadWrite);
+
+/// The largest, smallest or mean sample of each ray, into a target of any format.
+pub const EXTREMUM: PassInterface =
+    picture(&generated::EXTREMUM, EXTREMUM_BINDINGS, EXTREMUM_SPEC_IDS);
+/// Over what an `R8G8B8A8_UNORM` target holds.
+pub const EXTREMUM_BLEND_RGBA8: PassInterface = picture(
+    &generated::EXTREMUM_BLEND_RGBA8,
+    EXTREMUM_BLEND_BINDINGS,
+    EXTREMUM_SPEC_IDS,
+);
+/// Over what an `R16G16B16A16_SFLOAT` target holds.
+pub const EXTREMUM_BLEND_RGBA16F: PassInterface = picture(
+    &generated::EXTREMUM_BLEND_RGBA16F,
+    EXTREMUM_BLEND_BINDINGS,
+    EXTREMUM_SPEC_IDS,
+);
+/// Over what an `R32G32B32A32_SFLOAT` target holds.
+pub const EXTREMUM_BLEND_RGBA32F: PassInterface = picture(
+    &generated::EXTREMUM_BLEND_RGBA32F,
+    EXTREMUM_BLEND_BINDINGS,
+    EXTREMUM_SPEC_IDS,
+);
+
+const ISOSURFACE_SPEC_IDS: &[u32] = &[
+    SPEC_INTERPOLATION,
+    SPEC_BLOCKS_APART,
+    SPEC_SKIPPING,
+    SPEC_LIGHT,
+    SPEC_DIFFUSE,
+    SPEC_JITTER,
+    SPEC_AUX,
+    SPEC_SCENE_DEPTH,
+    SPEC_ENCODE_SRGB,
+    SPEC_MANUAL_FILTER,
+    SPEC_UNIFORM_GRID,
+    SPEC_GRADIENT,
+];
+
+const fn isosurface_bindings(target: Access) -> [Binding; 10] {
+    [
+        uniform(BINDING_VOLUME),
+        uniform(BINDING_FRAME),
+        sampled(BINDING_ATLAS),
+        sampled(BINDING_INDEX),
+        sampled(BINDING_SKIP),
+        sampled(BINDING_LIGHT),
+        sampled(BINDING_SCENE_DEPTH),
+        storage_image(BINDING_TARGET, target),
+        storage_image(BINDING_AUX, Access::Write),
+        uniform(BINDING_SURFACES),
+    ]
+}
+
+const ISOSURFACE_BINDINGS: &[Binding] = &isosurface_bindings(Access::Write);
+const ISOSURFACE_BLEND_BINDINGS: &[Binding] = &isosurface_bindings(Access::ReadWrite);
+
+/// Surfaces of equal value, into a target of any format.
+pub const ISOSURFACE: PassInterface = picture(
+    &generated::ISOSURFACE,
+    ISOSURFACE_BINDINGS,
+    ISOSURFACE_SPEC_IDS,
+);
+/// Over what an `R8G8B8A8_UNORM` target holds.
+pub const ISOSURFACE_BLEND_RGBA8: PassInterface = picture(
+    &generated::ISOSURFACE_BLEND_RGBA8,
+    ISOSURFACE_BLEND_BINDINGS,
+    ISOSURFACE_SPEC_IDS,
+);
+/// Over what an `R16G16B16A16_SFLOAT` target holds.
+pub const ISOSURFACE_BLEND_RGBA16F: PassInterface = picture(
+    &generated::ISOSURFACE_BLEND_RGBA16F,
+    ISOSURFACE_BLEND_BINDINGS,
+    ISOSURFACE_SPEC_IDS,
+);
+/// Over what an `R32G32B32A32_SFLOAT` target holds.
+pub const ISOSURFACE_BLEND_RGBA32F: PassInterface = picture(
+    &generated::ISOSURFACE_BLEND_RGBA32F,
+    ISOSURFACE_BLEND_BINDINGS,
+    ISOSURFACE_SPEC_IDS,
+);
+
+/// The table of pre-integrated classification.
+pub const PREINTEGRATE: PassInterface = PassInterface {
+    module: &generated::PREINTEGRATE,
+    bindings: &[
+        sampled(BINDING_INTEGRALS),
+        storage_image(BINDING_PREINTEGRATED_STORE, Access::Write),
+        storage_image(BINDING_PREINTEGRATED_EMISSION_STORE, Access::Write),
+    ],
+    push_constants: None,
+    spec_ids: &[SPEC_EMISSION],
+    local_size: [8, 8, 1],
+};
 
 /// One direction of local ambient occlusion.
 pub const LIGHT_TRACE: PassInterface = PassInterface {
@@ -155,7 +301,7 @@ pub const LIGHT_TRACE: PassInterface = PassInterface {
     ],
     push_constants: Some(LightPush::LAYOUT),
     spec_ids: &[
-        SPEC_NEAREST,
+        SPEC_INTERPOLATION,
         SPEC_BLOCKS_APART,
         SPEC_SKIPPING,
         SPEC_EMISSION,
@@ -202,6 +348,15 @@ pub const PASSES: &[PassInterface] = &[
     MARCH_BLEND_RGBA8,
     MARCH_BLEND_RGBA16F,
     MARCH_BLEND_RGBA32F,
+    EXTREMUM,
+    EXTREMUM_BLEND_RGBA8,
+    EXTREMUM_BLEND_RGBA16F,
+    EXTREMUM_BLEND_RGBA32F,
+    ISOSURFACE,
+    ISOSURFACE_BLEND_RGBA8,
+    ISOSURFACE_BLEND_RGBA16F,
+    ISOSURFACE_BLEND_RGBA32F,
+    PREINTEGRATE,
     LIGHT_TRACE,
     LIGHT_SEAM,
     BARE,

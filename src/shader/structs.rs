@@ -26,16 +26,16 @@ gpu_struct! {
         pub bins: f32,
         /// World gradient of index x: columns of the inverse transpose of `world_from_ix`.
         pub gradient_x_ws: [f32; 3],
-        /// Unused.
-        pub pad0: f32,
+        /// Texture sample at which the transfer function's first control point lies.
+        pub table_first: f32,
         /// World gradient of index y.
         pub gradient_y_ws: [f32; 3],
-        /// Unused.
-        pub pad1: f32,
+        /// 1 / (texture samples from the first control point to the last).
+        pub table_from_sample: f32,
         /// World gradient of index z.
         pub gradient_z_ws: [f32; 3],
-        /// Unused.
-        pub pad2: f32,
+        /// Entries on an axis of the preintegrated table - 1.
+        pub table_last: f32,
     }
 }
 
@@ -96,8 +96,34 @@ gpu_struct! {
         pub size_px: [u32; 2],
         /// Number of the picture, for the jitter.
         pub frame: u32,
+        /// Values in the file's units from texture samples: factor.
+        pub value_from_sample: f32,
+        /// And summand.
+        pub value_offset: f32,
         /// Unused.
-        pub pad0: u32,
+        pub pad0: f32,
+        /// Unused.
+        pub pad1: f32,
+        /// Unused.
+        pub pad2: f32,
+    }
+}
+
+gpu_struct! {
+    /// Isosurfaces, by value ascending.
+    pub struct SurfaceParams {
+        /// Texture samples, four a vector.
+        pub values: [[f32; 4]; 2],
+        /// Linear, not premultiplied; opacity.
+        pub colors: [[f32; 4]; 8],
+        /// Surfaces.
+        pub count: u32,
+        /// Bisections of a segment that a surface crosses.
+        pub bisections: u32,
+        /// Unused.
+        pub pad0: f32,
+        /// Unused.
+        pub pad1: f32,
     }
 }
 
@@ -179,6 +205,7 @@ gpu_struct! {
 pub const ALL: &[StructLayout] = &[
     VolumeParams::LAYOUT,
     FrameParams::LAYOUT,
+    SurfaceParams::LAYOUT,
     MarchPush::LAYOUT,
     LightPush::LAYOUT,
     SeamPush::LAYOUT,

@@ -89,6 +89,59 @@ impl CellGrid {
     }
 }
 
+/// How much further than a skip cell a wide filter looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// Skip cells on each side.
+    pub cells: u32,
+    /// How far results may leave the range of the samples, in halves of that range.
+    pub overshoot: f32,
+}
+
+impl CellGrid {
+    /// Ranges that bound what a filter of a wider support than trilinear returns in each skip cell.
+    pub fn widened(&self, reach: Reach) -> Self {
+        let mut ranges = self.ranges.clone();
+        let counts = self.counts.map(|n| n as usize);
+        let strides = [1, counts[0], counts[0] * counts[1]];
+        for axis in 0..3 {
+            let from = ranges.clone();
+            let (count, stride) = (counts[axis], strides[axis]);
+            ranges.par_iter_mut().enumerate().for_each(|(cell, to)| {
+                let at = cell / stride % count;
+                let reach = reach.cells as usize;
+                let first = at.saturating_sub(reach);
+                let last = (at + reach).min(count - 1);
+                let start = cell - (at - first) * stride;
+                for there in 0..=last - first {
+                    let [low, high] = from[start + there * stride];
+                    *to = [to[0].min(low), to[1].max(high)];
+                }
+            });
+        }
+        for range in &mut ranges {
+            let [low, high] = *range;
+            if low <= high {
+                // Sums of many products are off by more than one rounding.
+                let rounding = 1e-6 * low.abs().max(high.abs());
+                let beyond = 0.5 * reach.overshoot * (high - low) + rounding;
+                *range = [low - beyond, high + beyond];
+            }
+        }
+        Self {
+            counts: self.counts,
+            rescale: self.rescale,
+            ranges,
+        }
+    }
+
+    /// Number of skip cells.
+    #[expect(clippy::len_without_is_empty, reason = "a grid has at least one cell")]
+    pub fn len(&self) -> usize {
+        self.ranges.len()
+    }
+}
+
 /// Room to reduce a brick to its skip cells, axis by axis.
 struct Scratch {
     samples: Vec<f32>,

@@ -20,8 +20,8 @@ pub struct AtlasLayout {
 /// How much of each brick has room in the atlas.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum CopyExtents {
-    /// Closed blocks: `m + 1` texels on each axis.
-    Trimmed(BlockGrid),
+    /// The voxels that a block has first: those it shares with the block before belong to that one's neighbour.
+    Grid(BlockGrid),
     /// All `2^lambda + 1` texels.
     Whole(Levels),
 }
@@ -30,7 +30,8 @@ impl AtlasLayout {
     /// Packs the resident bricks, none of whose axes may end beyond `max_extent` texels.
     ///
     /// When every block is at the finest level and the limit allows it, bricks lie as their blocks
-    /// do, 17 texels apart, and the last of each axis is trimmed to its voxels. Otherwise the
+    /// do, 16 texels apart: neighbours share the texels between them, so the atlas is the volume itself, and no
+    /// filter, however wide, meets a border. Otherwise the
     /// bricks of each level are stacked in layers, from the finest to the coarsest, and coarser
     /// ones fill the gaps of finer ones; the base is the one of about a thousand near-square ones
     /// that makes the smallest atlas.
@@ -40,14 +41,14 @@ impl AtlasLayout {
     pub fn plan(grid: &BlockGrid, levels: &Levels, max_extent: u32) -> Result<Self> {
         levels.check(grid)?;
         if levels.by_block.iter().all(|&l| l == Some(FINEST)) {
-            let extent: [u32; 3] = std::array::from_fn(|a| grid.size()[a] + grid.counts()[a] - 1);
+            let extent = grid.size();
             if extent.iter().all(|&n| n <= max_extent) {
                 return Ok(Self {
                     extent,
                     origins: (0..grid.len())
-                        .map(|block| Some(grid.position(block).map(|b| b * brick_extent(FINEST))))
+                        .map(|block| Some(grid.origin_ix(block)))
                         .collect(),
-                    copy_extents: CopyExtents::Trimmed(*grid),
+                    copy_extents: CopyExtents::Grid(*grid),
                 });
             }
         }
@@ -105,18 +106,24 @@ impl AtlasLayout {
     }
 
     /// Texels of a brick to copy to its origin: a corner of the `(2^lambda + 1)^3` that a brick
-    /// has. Zero for a block that is not resident.
+    /// has; the others it shares with a brick that copies them. Zero for a block that is not resident.
     pub fn copy_extent(&self, block: usize) -> [u32; 3] {
         match &self.copy_extents {
-            CopyExtents::Trimmed(grid) => grid.cells(block).map(|m| m + 1),
+            CopyExtents::Grid(grid) => {
+                let (first, cells) = (grid.origin_ix(block), grid.cells(block));
+                std::array::from_fn(|a| {
+                    let last = first[a] + cells[a] + 1 == grid.size()[a];
+                    cells[a] + u32::from(last)
+                })
+            }
             CopyExtents::Whole(levels) => [levels.by_block[block].map_or(0, brick_extent); 3],
         }
     }
 
     /// True when every block is at the finest level and bricks lie as their blocks do: brick `b` starts at
-    /// `17 b`.
+    /// `16 b`, and the texel of a voxel is its index.
     pub fn is_grid(&self) -> bool {
-        matches!(self.copy_extents, CopyExtents::Trimmed(_))
+        matches!(self.copy_extents, CopyExtents::Grid(_))
     }
 
     /// Texels of the atlas, used or not.

@@ -1,0 +1,29 @@
+// Segments by their ends: node i is the start of segment i, and the last node is the end of the ray. Includes ray.glsl and
+// skip.glsl first.
+
+vec3 node_position(Ray ray, uint i, uint count, float shift) {
+    float steps = i == count ? ray.extent : max(float(i) - shift, 0.0);
+    return ray_position(ray, steps, volume.field_ix);
+}
+
+// Segments [first, end) that may show something, after leaping over those that do not.
+struct EndsRun {
+    uint first;
+    uint end;
+};
+
+// A segment is leapt over when both its ends lie in one empty box: the field is continuous, so whatever lies between the values
+// at its ends is found inside the box, and none of it shows.
+EndsRun next_run(Ray ray, uint i, uint count, float shift) {
+    uint inside;
+    uint leap;
+    do {
+        vec3 p_ix = node_position(ray, i, count, shift);
+        Region region = region_at(p_ix, block_of(p_ix));
+        inside = samples_before(steps_to_border(p_ix, ray.step_ix, region.low_ix, region.high_ix));
+        leap = region.empty ? min(inside - 1u, count - i) : 0u;
+        i += leap;
+        inside = region.empty ? 1u : inside;
+    } while (leap > 0u && i < count);
+    return EndsRun(i, min(i + inside, count));
+}

@@ -1,0 +1,72 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// The table of preintegrated.glsl: what a whole step shows along which the value runs linearly from one entry's to another's.
+//
+// The parts of an entry are exact integrals (differences of antiderivatives, kept in pairs of floats), so its opacity is exact;
+// its colour neglects only what the front of a part absorbs of the back of the same part.
+
+#include "bindings.glsl"
+#include "structs.glsl"
+#include "optical_depth.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(constant_id = SPEC_EMISSION) const bool EMISSION = false;
+
+// Rows: antiderivatives of extinction times colour (rgb) and of extinction (a), high and low parts; of extinction times emission
+// (rgb), and the value (a), high and low; colour and extinction; emission. All over a whole step (src/atlas/preintegration.rs).
+layout(set = 0, binding = BINDING_INTEGRALS) uniform sampler2D t_integrals;
+layout(set = 0, binding = BINDING_PREINTEGRATED_STORE, rgba32f) uniform writeonly image2D i_table;
+layout(set = 0, binding = BINDING_PREINTEGRATED_EMISSION_STORE, rgba32f) uniform writeonly image2D i_emission;
+
+// Parts of an entry.
+const int PARTS = 16;
+
+vec4 difference(int from, int to, int row) {
+    precise vec4 high = texelFetch(t_integrals, ivec2(to, row), 0) - texelFetch(t_integrals, ivec2(from, row), 0);
+    precise vec4 low = texelFetch(t_integrals, ivec2(to, row + 1), 0) - texelFetch(t_integrals, ivec2(from, row + 1), 0);
+    return high + low;
+}
+
+void main() {
+    ivec2 entry = ivec2(gl_GlobalInvocationID.xy);
+    int count = textureSize(t_integrals, 0).x;
+    if (any(greaterThanEqual(entry, ivec2(count)))) {
+        return;
+    }
+    int front = entry.x;
+    int back = entry.y;
+    vec3 radiance = vec3(0.0);
+    vec3 emitted = vec3(0.0);
+    float opacity;
+    if (front == back) {
+        vec4 here = texelFetch(t_integrals, ivec2(front, 4), 0);
+        opacity = opacity_of(here.a);
+        radiance = here.rgb * opacity;
+        if (EMISSION) {
+            emitted = texelFetch(t_integrals, ivec2(front, 5), 0).rgb * opacity;
+        }
+    } else {
+        float per_length = 1.0 / difference(front, back, 2).a;
+        int parts = min(abs(back - front), PARTS);
+        float transparency = 1.0;
+        int from = front;
+        for (int part = 1; part <= parts; ++part) {
+            int to = front + (back - front) * part / parts;
+            vec4 integral = difference(from, to, 0) * per_length;
+            float alpha = transparency * opacity_of(max(integral.a, 0.0));
+            float per_extinction = integral.a > 0.0 ? alpha / integral.a : 0.0;
+            radiance += per_extinction * integral.rgb;
+            if (EMISSION) {
+                emitted += per_extinction * (difference(from, to, 2).rgb * per_length);
+            }
+            transparency *= exp(-max(integral.a, 0.0));
+            from = to;
+        }
+        opacity = opacity_of(max(difference(front, back, 0).a * per_length, 0.0));
+    }
+    imageStore(i_table, entry, vec4(radiance, opacity));
+    if (EMISSION) {
+        imageStore(i_emission, entry, vec4(emitted, 0.0));
+    }
+}

@@ -1,0 +1,280 @@
+//! Pictures: front-to-back march, projections of values and isosurfaces, into a target image.
+//!
+//! Reads   atlas, index, skip or cell ranges, transfer and pre-integrated tables (SampledRead), light (SampledGeneral), the
+//!         host's depth
+//! Writes  the target (Storage; read too when it is blended over), depths and sample counts (Storage)
+//! Grid    one workgroup for 8x8 pixels, one dispatch a tile
+//! Method  emission-absorption with exact opacity correction; skipping by chessboard distances
+//! Limits  a dispatch is one tile; its size is chosen so that no dispatch runs long, and changes no pixel
+//! Twin    src/reference/march.rs, projection.rs
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::{Reconstruction, Variants, sampled, tile_groups, tiles, use_field};
+use crate::atlas::{Images, TableImages};
+use crate::error::Result;
+use crate::gpu::{Access, Bound, Context, Image, ImageInfo, Recorder, Sampler, Uniforms};
+use crate::scene::{Classification, Gradient, RayProjection};
+use crate::shader::generated::*;
+use crate::shader::structs::MarchPush;
+use crate::shader::{PassInterface, interface};
+
+/// What specializes a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct PictureVariant {
+    pub(crate) reconstruction: Reconstruction,
+    pub(crate) projection: RayProjection,
+    pub(crate) classification: Classification,
+    pub(crate) light: bool,
+    /// Lambert's law, with this estimate of the gradient.
+    pub(crate) diffuse: Option<Gradient>,
+    pub(crate) jitter: bool,
+    pub(crate) aux: bool,
+    pub(crate) scene_depth: bool,
+    pub(crate) encode_srgb: bool,
+    /// Format of a target that is blended over.
+    pub(crate) blend: Option<vk::Format>,
+}
+
+/// The programs of one kind of picture, by what they do with the target.
+struct Program {
+    any: &'static PassInterface,
+    blend_rgba8: &'static PassInterface,
+    blend_rgba16f: &'static PassInterface,
+    blend_rgba32f: &'static PassInterface,
+}
+
+const MARCH: Program = Program {
+    any: &interface::MARCH,
+    blend_rgba8: &interface::MARCH_BLEND_RGBA8,
+    blend_rgba16f: &interface::MARCH_BLEND_RGBA16F,
+    blend_rgba32f: &interface::MARCH_BLEND_RGBA32F,
+};
+
+const EXTREMUM: Program = Program {
+    any: &interface::EXTREMUM,
+    blend_rgba8: &interface::EXTREMUM_BLEND_RGBA8,
+    blend_rgba16f: &interface::EXTREMUM_BLEND_RGBA16F,
+    blend_rgba32f: &interface::EXTREMUM_BLEND_RGBA32F,
+};
+
+const ISOSURFACE: Program = Program {
+    any: &interface::ISOSURFACE,
+    blend_rgba8: &interface::ISOSURFACE_BLEND_RGBA8,
+    blend_rgba16f: &interface::ISOSURFACE_BLEND_RGBA16F,
+    blend_rgba32f: &interface::ISOSURFACE_BLEND_RGBA32F,
+};
+
+impl PictureVariant {
+    fn interface(self) -> &'static PassInterface {
+        let program = match self.projection {
+            RayProjection::Composite | RayProjection::Xray => MARCH,
+            RayProjection::Maximum | RayProjection::Minimum | RayProjection::Mean => EXTREMUM,
+            RayProjection::Isosurface => ISOSURFACE,
+        };
+        match self.blend {
+            None => program.any,
+            Some(vk::Format::R8G8B8A8_UNORM) => program.blend_rgba8,
+            Some(vk::Format::R16G16B16A16_SFLOAT) => program.blend_rgba16f,
+            Some(_) => program.blend_rgba32f,
+        }
+    }
+
+    /// Formats of targets that can be blended over.
+    pub(crate) const BLENDABLE: [vk::Format; 3] = [
+        vk::Format::R8G8B8A8_UNORM,
+        vk::Format::R16G16B16A16_SFLOAT,
+        vk::Format::R32G32B32A32_SFLOAT,
+    ];
+
+    fn constants(self) -> Vec<(u32, u32)> {
+        let classification = match self.classification {
+            Classification::Post => 0,
+            Classification::Pre => 1,
+            Classification::Preintegrated => 2,
+        };
+        let gradient = match self.diffuse.unwrap_or_default() {
+            Gradient::CentralDifferences => 0,
+            Gradient::FourPoint => 1,
+            Gradient::Regression => 2,
+            Gradient::Sobel => 3,
+            Gradient::Bspline => 4,
+            Gradient::CatmullRom => 5,
+        };
+        let of_values = match self.projection {
+            RayProjection::Minimum => 1,
+            RayProjection::Mean => 2,
+            _ => 0,
+        };
+        let mut constants = self.reconstruction.constants();
+        constants.extend([
+            (SPEC_CLASSIFICATION, classification),
+            (SPEC_GRADIENT, gradient),
+            (SPEC_PROJECTION, of_values),
+            (SPEC_XRAY, (self.projection == RayProjection::Xray).into()),
+            (SPEC_LIGHT, self.light.into()),
+            (SPEC_DIFFUSE, self.diffuse.is_some().into()),
+            (SPEC_JITTER, self.jitter.into()),
+            (SPEC_AUX, self.aux.into()),
+            (SPEC_SCENE_DEPTH, self.scene_depth.into()),
+            (SPEC_ENCODE_SRGB, self.encode_srgb.into()),
+        ]);
+        constants
+    }
+}
+
+/// What the picture of one frame is made from.
+pub(crate) struct PictureResources<'a> {
+    pub(crate) images: &'a Images,
+    /// Of pre-integrated classification.
+    pub(crate) tables: Option<&'a TableImages>,
+    /// Value ranges of skip cells, of projections of values.
+    pub(crate) range: Option<&'a Image>,
+    pub(crate) volume: Uniforms,
+    pub(crate) frame: Uniforms,
+    /// Of isosurfaces.
+    pub(crate) surfaces: Option<Uniforms>,
+    /// The target, in `GENERAL`.
+    pub(crate) target: vk::ImageView,
+    /// The host's depth, in the layout given.
+    pub(crate) scene_depth: Option<(vk::ImageView, vk::ImageLayout)>,
+    /// Depths and sample counts.
+    pub(crate) aux: Option<&'a Image>,
+}
+
+/// The pass.
+pub(crate) struct PicturePass {
+    variants: Variants,
+    /// Stands in for images that a variant does not read, and for outputs it does not write.
+    unused_sampled: Image,
+    unused_volume: Image,
+    unused_storage: Image,
+    nearest: Sampler,
+}
+
+impl PicturePass {
+    pub(crate) fn new(context: &Arc<Context>) -> Result<Self> {
+        let unused = |name, format, three_dimensional, usage| {
+            let extent = [1; 3];
+            Image::new(
+                context,
+                &ImageInfo {
+                    name,
+                    extent,
+                    format,
+                    three_dimensional,
+                    usage,
+                },
+            )
+        };
+        let sampled = vk::ImageUsageFlags::SAMPLED;
+        Ok(Self {
+            variants: Variants::new(),
+            unused_sampled: unused(
+                "umbravox.picture.no_image",
+                vk::Format::R32_SFLOAT,
+                false,
+                sampled,
+            )?,
+            unused_volume: unused(
+                "umbravox.picture.no_volume",
+                vk::Format::R32_SFLOAT,
+                true,
+                sampled,
+            )?,
+            unused_storage: unused(
+                "umbravox.picture.no_aux",
+                vk::Format::R32G32B32A32_SFLOAT,
+                false,
+                vk::ImageUsageFlags::STORAGE,
+            )?,
+            nearest: Sampler::new(
+                context,
+                "umbravox.picture.nearest",
+                crate::gpu::Filter::Nearest,
+            )?,
+        })
+    }
+
+    /// Nothing is known of the state of the stand-ins; see [`Image::forget`].
+    pub(crate) fn forget(&self) {
+        self.unused_sampled.forget();
+        self.unused_volume.forget();
+        self.unused_storage.forget();
+    }
+
+    pub(crate) fn record(
+        &mut self,
+        context: &Arc<Context>,
+        recorder: &mut Recorder<'_>,
+        variant: PictureVariant,
+        resources: &PictureResources<'_>,
+        size_px: [u32; 2],
+        tile: u32,
+    ) -> Result<()> {
+        let interface = variant.interface();
+        let pipeline = self.variants.get(context, interface, variant.constants())?;
+        let PictureResources {
+            images,
+            tables,
+            range,
+            volume,
+            frame,
+            surfaces,
+            target,
+            scene_depth,
+            aux,
+        } = *resources;
+        let field = use_field(recorder, images);
+        recorder.use_image(&images.light, Access::SampledGeneral);
+        recorder.use_image(&self.unused_sampled, Access::SampledRead);
+        recorder.use_image(&self.unused_volume, Access::SampledRead);
+        let table = tables.map_or(&self.unused_sampled, |t| &t.table);
+        let emission = tables.map_or(&self.unused_sampled, |t| &t.emission);
+        let range = range.unwrap_or(&self.unused_volume);
+        recorder.use_image(range, Access::SampledRead);
+        let aux = aux.unwrap_or(&self.unused_storage);
+        recorder.use_image(aux, Access::Storage);
+        let light = Bound::Sampled {
+            image: &images.light,
+            sampler: &images.linear,
+            general: true,
+        };
+        let depth = match scene_depth {
+            Some((view, layout)) => Bound::SampledView {
+                view,
+                layout,
+                sampler: &self.nearest,
+            },
+            None => sampled(&self.unused_sampled, &self.nearest),
+        };
+        let mut bound = field.to_vec();
+        bound.extend([
+            (BINDING_VOLUME, Bound::Uniform(volume)),
+            (BINDING_FRAME, Bound::Uniform(frame)),
+            (BINDING_LIGHT, light),
+            (BINDING_SCENE_DEPTH, depth),
+            (BINDING_TARGET, Bound::StorageView(target)),
+            (BINDING_AUX, Bound::StorageImage(aux)),
+            (BINDING_PREINTEGRATED, sampled(table, &self.nearest)),
+            (
+                BINDING_PREINTEGRATED_EMISSION,
+                sampled(emission, &self.nearest),
+            ),
+            (BINDING_RANGE, sampled(range, &self.nearest)),
+        ]);
+        bound.extend(surfaces.map(|s| (BINDING_SURFACES, Bound::Uniform(s))));
+        // Each kind of picture takes its own selection.
+        recorder.bind(pipeline, &bound)?;
+        for (tile_px, tile_end_px) in tiles(size_px, tile) {
+            let push = MarchPush {
+                tile_px,
+                tile_end_px,
+            };
+            recorder.dispatch(pipeline, &push, tile_groups(tile_px, tile_end_px));
+        }
+        Ok(())
+    }
+}

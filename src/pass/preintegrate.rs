@@ -1,0 +1,66 @@
+//! The table of pre-integrated classification.
+//!
+//! Reads   integrals along the transfer function (SampledRead)
+//! Writes  the table, and that of emission (Storage)
+//! Grid    one invocation an entry
+//! Method  Engel, Kraus and Ertl 2001; exact integrals of up to 16 parts an entry, composited
+//! Limits  one dispatch of at most 1021^2 entries
+//! Twin    src/reference (integrates each segment by itself)
+
+use std::sync::Arc;
+
+use super::{Variants, sampled};
+use crate::atlas::TableImages;
+use crate::error::Result;
+use crate::gpu::{Access, Bound, Context, Recorder, Sampler};
+use crate::shader::generated::*;
+use crate::shader::interface;
+
+/// The pass.
+pub(crate) struct PreintegratePass {
+    variants: Variants,
+}
+
+impl PreintegratePass {
+    pub(crate) fn new() -> Self {
+        Self {
+            variants: Variants::new(),
+        }
+    }
+
+    /// Computes the table from `images.integrals`.
+    pub(crate) fn record(
+        &mut self,
+        context: &Arc<Context>,
+        recorder: &mut Recorder<'_>,
+        images: &TableImages,
+        nearest: &Sampler,
+        emission: bool,
+    ) -> Result<()> {
+        let constants = vec![(SPEC_EMISSION, emission.into())];
+        let pipeline = self
+            .variants
+            .get(context, &interface::PREINTEGRATE, constants)?;
+        recorder.use_image(&images.integrals, Access::SampledRead);
+        recorder.use_image(&images.table, Access::Storage);
+        recorder.use_image(&images.emission, Access::Storage);
+        let bound = [
+            (BINDING_INTEGRALS, sampled(&images.integrals, nearest)),
+            (
+                BINDING_PREINTEGRATED_STORE,
+                Bound::StorageImage(&images.table),
+            ),
+            (
+                BINDING_PREINTEGRATED_EMISSION_STORE,
+                Bound::StorageImage(&images.emission),
+            ),
+        ];
+        recorder.bind(pipeline, &bound)?;
+        let [width, height, _] = images.table.extent();
+        recorder.dispatch_plain(pipeline, [width.div_ceil(8), height.div_ceil(8), 1]);
+        recorder.use_image(&images.table, Access::SampledRead);
+        recorder.use_image(&images.emission, Access::SampledRead);
+        recorder.flush();
+        Ok(())
+    }
+}

@@ -1,0 +1,369 @@
+//! What a frame records, and the parameters it hands to the shaders.
+
+use std::sync::Arc;
+
+use glam::{DMat4, DVec3, DVec4};
+
+use super::light::LightProgress;
+use super::loaded::{Loaded, sample_lengths};
+use super::settings::Settings;
+use super::{Frame, FrameReport, pass_name};
+use crate::atlas::UploadResources;
+use crate::error::Result;
+use crate::gpu::{Context, Recorder, Uniforms};
+use crate::pass::Reconstruction;
+use crate::pass::bare::BareResources;
+use crate::pass::light::LightResources;
+use crate::pass::picture::{PictureResources, PictureVariant};
+use crate::scene::{Interpolation, RayProjection, Shading};
+use crate::shader::structs::{FrameParams, SurfaceParams, VolumeParams};
+
+/// Samples that one dispatch of the march takes at most: a quarter of a second at 0.5 billion a second.
+const SAMPLES_A_DISPATCH: f64 = 1.3e8;
+
+impl Loaded {
+    /// For a pass in which what emits does so with `emission`.
+    fn reconstruction(&self, emission: bool) -> Reconstruction {
+        Reconstruction {
+            interpolation: self.settings.march.interpolation,
+            manual: self.images.manual_filter,
+            inter_block: self.settings.march.inter_block_interpolation,
+            skipping: self.settings.march.empty_space_skipping,
+            emission: emission && self.settings.curve.emits(),
+            uniform_grid: self.residency.layout.is_grid() && self.uploads.bricks_complete(),
+            exact_bins: self.exact_bins,
+        }
+    }
+
+    pub(crate) fn volume_params(&self) -> VolumeParams {
+        let volume = &self.store.volume;
+        let (bin_from_sample, first_sample) = self.table.bin_from_sample();
+        let gradient = volume.world_from_ix().matrix3.inverse().transpose();
+        let bins = self.table.bins() as f32;
+        let preintegration = self.table.preintegration();
+        let (table_from_sample, table_first) =
+            preintegration.map_or((0.0, 0.0), |p| p.range_from_sample(self.table.samples()));
+        let table_last = preintegration.map_or(1.0, |p| (p.entries() - 1) as f32);
+        VolumeParams {
+            field_ix: volume.size().map(|n| (n - 1) as f32),
+            bin_from_sample: bin_from_sample as f32,
+            atlas_texel: self.images.atlas.extent().map(|n| 1.0 / n as f32),
+            first_sample: first_sample as f32,
+            blocks: self.store.grid().counts().map(|n| n as i32),
+            last_bin: bins - 1.0,
+            skip_extent: self.residency.cells.counts().map(|n| n as i32),
+            bins,
+            gradient_x_ws: gradient.x_axis.as_vec3().to_array(),
+            table_first: table_first as f32,
+            gradient_y_ws: gradient.y_axis.as_vec3().to_array(),
+            table_from_sample: table_from_sample as f32,
+            gradient_z_ws: gradient.z_axis.as_vec3().to_array(),
+            table_last,
+        }
+    }
+
+    pub(super) fn record_uploads(
+        &mut self,
+        context: &Arc<Context>,
+        recorder: &mut Recorder<'_>,
+        budget: usize,
+    ) -> Result<FrameReport> {
+        let Self {
+            uploads,
+            images,
+            store,
+            residency,
+            table,
+            visibility,
+            settings,
+            prepared,
+            ..
+        } = self;
+        let mut uploaded_bytes = 0;
+        let step = step_length(settings, store.volume.min_spacing());
+        prepared.record(context, recorder, table, residency, settings, step)?;
+        if uploads.pending() {
+            let distances = &visibility.distances;
+            let lengths = sample_lengths(settings, store.volume.min_spacing());
+            let resources = UploadResources {
+                images,
+                store,
+                residency,
+                table,
+                lengths,
+                distances,
+            };
+            uploaded_bytes = recorder.pass(pass_name::UPLOAD, |recorder| {
+                uploads.record(context, recorder, &resources, budget)
+            })?;
+        }
+        let missing = uploads.missing_bricks();
+        Ok(FrameReport {
+            bricks_resident: residency.selection.levels.resident() - missing,
+            bricks_missing: missing,
+            uploaded_bytes,
+            ..Default::default()
+        })
+    }
+
+    /// Traces the next direction, if there is one and the bricks are complete.
+    pub(super) fn record_light(
+        &mut self,
+        context: &Arc<Context>,
+        recorder: &mut Recorder<'_>,
+        volume: Uniforms,
+    ) -> Result<()> {
+        // Light follows the linear field, whatever the march does; emission only where it is asked for.
+        let emission = self
+            .settings
+            .ambient_occlusion
+            .as_ref()
+            .is_some_and(|ao| ao.emission);
+        let reconstruction = Reconstruction {
+            interpolation: Interpolation::Linear,
+            ..self.reconstruction(emission)
+        };
+        if !self.uploads.bricks_complete() {
+            return Ok(());
+        }
+        let Some(push) = self.light.as_mut().and_then(LightProgress::next) else {
+            return Ok(());
+        };
+        let Self {
+            images,
+            lists,
+            visibility,
+            light_pass,
+            ..
+        } = self;
+        let work = &visibility.light;
+        recorder.pass(pass_name::LIGHT, |recorder| {
+            let resources = LightResources {
+                images,
+                lists,
+                work,
+                volume,
+            };
+            light_pass.trace(context, recorder, reconstruction, &resources, push)
+        })?;
+        if work.seam.is_empty() {
+            return Ok(());
+        }
+        recorder.pass(pass_name::LIGHT_SEAM, |recorder| {
+            let resources = LightResources {
+                images,
+                lists,
+                work,
+                volume,
+            };
+            light_pass.seam(context, recorder, reconstruction, &resources)
+        })
+    }
+
+    pub(super) fn record_picture(
+        &mut self,
+        context: &Arc<Context>,
+        recorder: &mut Recorder<'_>,
+        volume: Uniforms,
+        frame: &Frame<'_>,
+    ) -> Result<()> {
+        let target = frame.target;
+        let params = self.frame_params(frame);
+        let frame_uniforms = recorder.slot().uniforms(bytemuck::bytes_of(&params))?;
+        let surfaces = match self.settings.march.projection {
+            RayProjection::Isosurface => {
+                let params = self.surface_params();
+                Some(recorder.slot().uniforms(bytemuck::bytes_of(&params))?)
+            }
+            _ => None,
+        };
+        let Settings {
+            march, lighting, ..
+        } = &self.settings;
+        let variant = PictureVariant {
+            reconstruction: self.reconstruction(lighting.emission),
+            projection: march.projection,
+            classification: march.classification(),
+            light: self.light.is_some(),
+            diffuse: (lighting.shading == Shading::Diffuse).then_some(lighting.gradient),
+            jitter: march.jitter,
+            aux: frame.aux.is_some(),
+            scene_depth: frame.depth.is_some(),
+            encode_srgb: target.encode_srgb,
+            blend: target.blend.then_some(target.format),
+        };
+        let tile = self.tile.unwrap_or_else(|| self.default_tile());
+        let Self {
+            images,
+            picture_pass,
+            prepared,
+            ..
+        } = self;
+        recorder.pass(pass_name::MARCH, |recorder| {
+            let resources = PictureResources {
+                images,
+                tables: prepared.tables(),
+                range: prepared.range(),
+                volume,
+                frame: frame_uniforms,
+                surfaces,
+                target: target.view,
+                scene_depth: frame.depth.map(|d| (d.view, d.layout)),
+                aux: frame.aux,
+            };
+            picture_pass.record(context, recorder, variant, &resources, target.size_px, tile)
+        })
+    }
+
+    pub(super) fn record_bare(
+        &mut self,
+        context: &Arc<Context>,
+        recorder: &mut Recorder<'_>,
+        volume: Uniforms,
+        frame: &Frame<'_>,
+    ) -> Result<()> {
+        let params = self.frame_params(frame);
+        let frame_uniforms = recorder.slot().uniforms(bytemuck::bytes_of(&params))?;
+        let tile = self.tile.unwrap_or_else(|| self.default_tile());
+        let Self {
+            images,
+            bare_pass,
+            store,
+            ..
+        } = self;
+        recorder.pass(pass_name::BARE, |recorder| {
+            let resources = BareResources {
+                images,
+                size: store.volume.size(),
+                volume,
+                frame: frame_uniforms,
+                target: frame.target.view,
+            };
+            bare_pass.record(context, recorder, &resources, frame.target.size_px, tile)
+        })
+    }
+
+    /// Light added everywhere.
+    pub(crate) fn light_bias(&self) -> f32 {
+        self.settings
+            .ambient_occlusion
+            .as_ref()
+            .map_or(0.0, |ao| ao.bias) as f32
+    }
+
+    /// The largest tile whose dispatch takes a bounded number of samples, a multiple of 8.
+    pub(crate) fn default_tile(&self) -> u32 {
+        let volume = &self.store.volume;
+        let extent =
+            DVec3::from_array(volume.size().map(f64::from)) * DVec3::from_array(volume.spacing());
+        let longest = extent.length() / self.step_mm();
+        ((SAMPLES_A_DISPATCH / longest).sqrt() as u32).clamp(8, 8192) / 8 * 8
+    }
+
+    fn step_mm(&self) -> f64 {
+        self.settings.march.step * self.store.volume.min_spacing()
+    }
+
+    pub(crate) fn frame_params(&self, frame: &Frame<'_>) -> FrameParams {
+        let Settings {
+            march,
+            lighting,
+            curve,
+            depth_threshold,
+            ..
+        } = &self.settings;
+        let ix_from_world = self.store.volume.world_from_ix().inverse();
+        let step_mm = self.step_mm();
+        let rays = frame.rays;
+        let point = |p: DVec3| ix_from_world.transform_point3(p).as_vec3().to_array();
+        let vector = |v: DVec3| ix_from_world.transform_vector3(v).as_vec3().to_array();
+        let step = |v: DVec3| vector(v * step_mm);
+        let world = |v: DVec3| v.as_vec3().to_array();
+        let clip = frame.depth.map_or(DMat4::IDENTITY, |d| d.ix_from_clip);
+        let row = |r: DVec4| r.as_vec4().to_array();
+        let light_direction = lighting
+            .direction
+            .map(|d| DVec3::from_array(d).normalize_or_zero().extend(1.0))
+            .unwrap_or(DVec4::ZERO);
+        let samples = self.table.samples();
+        FrameParams {
+            origin_ix: point(rays.origin),
+            unit_exponent: (step_mm / curve.unit_distance) as f32,
+            origin_dx_ix: vector(rays.origin_dx),
+            early_termination: self.early_termination(),
+            origin_dy_ix: vector(rays.origin_dy),
+            depth_threshold: *depth_threshold as f32,
+            direction_ix: step(rays.direction),
+            step_mm: step_mm as f32,
+            direction_dx_ix: step(rays.direction_dx),
+            light_bias: self.light_bias(),
+            direction_dy_ix: step(rays.direction_dy),
+            ambient: lighting.ambient as f32,
+            direction_ws: world(rays.direction),
+            diffuse: lighting.diffuse as f32,
+            direction_dx_ws: world(rays.direction_dx),
+            scene_depth_far: frame.depth.map_or(1.0, |d| d.range.far()),
+            direction_dy_ws: world(rays.direction_dy),
+            jitter_seed: march.seed,
+            background: frame.target.background,
+            light_direction_ws: row(light_direction),
+            ix_from_clip_x: row(clip.row(0)),
+            ix_from_clip_y: row(clip.row(1)),
+            ix_from_clip_z: row(clip.row(2)),
+            ix_from_clip_w: row(clip.row(3)),
+            size_px: frame.target.size_px,
+            frame: frame.number,
+            value_from_sample: samples.scale as f32,
+            value_offset: samples.offset as f32,
+            pad0: 0.0,
+            pad1: 0.0,
+            pad2: 0.0,
+        }
+    }
+
+    /// Opacity at which rays stop; above 1: never.
+    fn early_termination(&self) -> f32 {
+        let march = &self.settings.march;
+        match march.projection {
+            // Optical depth goes on growing when all is dark.
+            RayProjection::Xray => 2.0,
+            _ => march.early_termination as f32,
+        }
+    }
+
+    fn surface_params(&self) -> SurfaceParams {
+        let samples = self.table.samples();
+        let mut params = SurfaceParams {
+            values: [[f32::MAX; 4]; 2],
+            colors: [[0.0; 4]; 8],
+            count: self.settings.surfaces.len() as u32,
+            bisections: bisections(self.settings.march.step),
+            pad0: 0.0,
+            pad1: 0.0,
+        };
+        let mut surfaces: Vec<_> = self
+            .settings
+            .surfaces
+            .iter()
+            .map(|s| (samples.sample(s.value) as f32, s))
+            .collect();
+        // A falling rescale turns the order around.
+        surfaces.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (i, (sample, surface)) in surfaces.into_iter().enumerate() {
+            let [r, g, b] = surface.color.map(|c| c as f32);
+            params.values[i / 4][i % 4] = sample;
+            params.colors[i] = [r, g, b, surface.opacity as f32];
+        }
+        params
+    }
+}
+
+/// Bisections that find a surface in a step to 1/200 voxel; what is left is interpolated.
+fn bisections(step: f64) -> u32 {
+    (200.0 * step).log2().ceil().max(0.0) as u32
+}
+
+/// Length of a step in unit distances of the transfer function.
+fn step_length(settings: &Settings, voxel_mm: f64) -> f64 {
+    settings.march.step * voxel_mm / settings.curve.unit_distance
+}

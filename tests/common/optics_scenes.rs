@@ -17,7 +17,7 @@ pub(crate) fn scenes() -> Vec<TestScene> {
 }
 
 /// Volume of 8-bit blobs on a grid of its own.
-fn u8_blobs(size: [u32; 3], world_from_ix: DAffine3) -> Volume {
+pub(super) fn u8_blobs(size: [u32; 3], world_from_ix: DAffine3) -> Volume {
     sampled(
         VoxelType::U8,
         size,
@@ -29,7 +29,7 @@ fn u8_blobs(size: [u32; 3], world_from_ix: DAffine3) -> Volume {
 }
 
 /// Volume of float blobs, 0 to 1.
-fn f32_blobs(size: [u32; 3], world_from_ix: DAffine3) -> Volume {
+pub(super) fn f32_blobs(size: [u32; 3], world_from_ix: DAffine3) -> Volume {
     sampled(
         VoxelType::F32,
         size,
@@ -292,7 +292,7 @@ fn surfaces() -> Vec<TestScene> {
 }
 
 /// Ambient occlusion settings small enough for a test.
-fn small_sphere(rays: u32) -> AmbientOcclusion {
+pub(super) fn small_sphere(rays: u32) -> AmbientOcclusion {
     AmbientOcclusion {
         rays,
         radius: 7.0,

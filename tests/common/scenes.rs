@@ -12,9 +12,11 @@ use umbravox::scene::{
 };
 use umbravox::volume::Volume;
 
+mod classification_scenes;
 mod fields;
 mod geometry_scenes;
 mod optics_scenes;
+mod projection_scenes;
 
 /// A scene with what it resolves to. The volume is in memory; the path in the scene names no file.
 pub(crate) struct TestScene {
@@ -30,6 +32,8 @@ pub(crate) struct TestScene {
 pub(crate) fn all() -> Vec<TestScene> {
     let mut scenes = geometry_scenes::scenes();
     scenes.extend(optics_scenes::scenes());
+    scenes.extend(classification_scenes::scenes());
+    scenes.extend(projection_scenes::scenes());
     scenes
 }
 

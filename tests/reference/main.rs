@@ -6,10 +6,14 @@ mod scenes;
 
 mod fixtures;
 
+mod classification;
 mod directions;
 mod field;
+mod filters;
 mod gradients;
+mod isosurfaces;
 mod light;
 mod march;
 mod profiles;
+mod projections;
 mod scenes_are_fair;

@@ -16,7 +16,7 @@ struct VolumeParams {
     vec3 gradient_y_ws;
     float table_from_sample; // 1 / (texture samples from the first control point to the last)
     vec3 gradient_z_ws;
-    float table_last;       // entries on an axis of the preintegrated table - 1
+    float table_cells;      // cells of the preintegrated table from the first control point to the last
 };
 
 // What changes with the camera. A ray through pixel (px, py) starts at origin + px origin_dx + py origin_dy and goes

@@ -6,17 +6,19 @@
 //! extinction times colour up to its value; they are computed here in f64.
 
 use super::SampleScale;
+use super::transfer_table::best_cells;
 use crate::scene::{Curve, Optical};
 
-/// Share of the transfer function's range that each compressed end of an axis takes.
-const TAIL: f64 = 0.125;
+/// Cells that each compressed end of an axis takes.
+const TAIL_CELLS: usize = 64;
 /// Where the last entry lies, in ranges beyond the function's own.
 const FAR: f64 = 1e4;
-/// Numbers of entries. The transfer function's ends lie on entries (a tenth of `n - 1` from the table's), so that what is
-/// transparent beyond them stays so.
-const ENTRIES: [usize; 3] = [251, 511, 1021];
-/// Entries that the narrowest piece of a transfer function shall have at least, where a table allows it.
-const ENTRIES_A_PIECE: f64 = 8.0;
+/// Most cells over the function's range. A table has 16 bytes an entry, and as many again with emission.
+const MAX_CELLS: usize = 892;
+/// Fewest cells over the function's range.
+const MIN_CELLS: usize = 128;
+/// Cells that the narrowest piece of a transfer function shall have at least, where a table allows it.
+const CELLS_A_PIECE: f64 = 8.0;
 /// Largest optical depth of a whole step: what is opaque is opaque over a ten thousandth of a step too.
 const OPAQUE: f64 = 1e6;
 /// Rows of [`Preintegration::texels`].
@@ -28,7 +30,8 @@ pub(crate) struct Preintegration {
     curve: Curve,
     /// First and last value of the transfer function; the last is above the first.
     range: [f64; 2],
-    entries: usize,
+    /// Cells over that range.
+    cells: usize,
     /// Number of intervals between entries, before each, in which something shows.
     shown_before: Vec<u32>,
 }
@@ -49,19 +52,23 @@ impl Preintegration {
             .map(|v| v[1] - v[0])
             .filter(|&piece| piece > 0.0)
             .fold(width, f64::min);
-        let wanted = ENTRIES_A_PIECE * width / narrowest * (1.0 + 2.0 * TAIL);
-        let entries = ENTRIES
-            .into_iter()
-            .find(|&n| n as f64 >= wanted)
-            .unwrap_or(ENTRIES[ENTRIES.len() - 1]);
+        let fewest =
+            ((CELLS_A_PIECE * width / narrowest).ceil() as usize).clamp(MIN_CELLS, MAX_CELLS);
+        // Twice as many give room to align all control points.
+        let most = (2 * fewest).min(MAX_CELLS);
+        let cells = if high > low {
+            best_cells(&values, fewest..=most)
+        } else {
+            MIN_CELLS
+        };
         let mut table = Self {
             curve: curve.clone(),
             range: [low, low + width],
-            entries,
+            cells,
             shown_before: Vec::new(),
         };
         let mut shown = vec![0];
-        for entry in 1..entries {
+        for entry in 1..table.count() {
             let shows = table.shows(table.value(entry - 1), table.value(entry));
             shown.push(shown[entry - 1] + u32::from(shows));
         }
@@ -71,7 +78,16 @@ impl Preintegration {
 
     /// Entries on each axis.
     pub(crate) fn entries(&self) -> u32 {
-        self.entries as u32
+        self.count() as u32
+    }
+
+    /// Cells from the transfer function's first value to its last.
+    pub(crate) fn cells(&self) -> u32 {
+        self.cells as u32
+    }
+
+    fn count(&self) -> usize {
+        self.cells + 2 * TAIL_CELLS + 1
     }
 
     /// First value of the transfer function, and the distance to its last one (> 0).
@@ -87,29 +103,22 @@ impl Preintegration {
 
     /// Value of an entry, 0 at the function's first and 1 at its last.
     fn place_in_range(&self, entry: usize) -> f64 {
-        let x = entry as f64 / (self.entries - 1) as f64 * (1.0 + 2.0 * TAIL) - TAIL;
-        // Exactly on the function's ends.
-        let tenth = (self.entries - 1) / 10;
-        if entry == tenth {
-            return 0.0;
-        }
-        if entry == 9 * tenth {
-            return 1.0;
-        }
-        let inside = x.clamp(0.0, 1.0);
-        let beyond = x - inside;
-        let compressed = (beyond.abs() / TAIL).min(1.0 - 1e-12);
-        inside + beyond.signum() * (TAIL * compressed / (1.0 - compressed)).min(FAR)
+        let (cells, tail) = (self.cells as f64, TAIL_CELLS as f64);
+        let x = entry as f64 - tail;
+        let inside = x.clamp(0.0, cells);
+        let compressed = ((x - inside).abs() / tail).min(1.0 - 1e-12);
+        let beyond = tail * compressed / (1.0 - compressed) / cells;
+        inside / cells + (x - inside).signum() * beyond.min(FAR)
     }
 
     /// The place of a value on an axis, in entries: the shaders' `table_place`.
     fn place(&self, value: f64) -> f64 {
         let (low, width) = self.range();
+        let (cells, tail) = (self.cells as f64, TAIL_CELLS as f64);
         let t = (value - low) / width;
         let inside = t.clamp(0.0, 1.0);
-        let beyond = t - inside;
-        let x = inside + beyond / (1.0 + beyond.abs() / TAIL);
-        (x + TAIL) / (1.0 + 2.0 * TAIL) * (self.entries - 1) as f64
+        let beyond = (t - inside) * cells;
+        inside * cells + beyond / (1.0 + beyond.abs() / tail) + tail
     }
 
     /// True when the function shows anything between two values, these included.
@@ -130,7 +139,7 @@ impl Preintegration {
     /// True when a segment whose values lie in a range shows anything, read off the table between its entries. `margin`: what
     /// the device may miss a value by.
     pub(crate) fn visible(&self, range: [f64; 2], margin: f64) -> bool {
-        let last = (self.entries - 1) as f64;
+        let last = (self.count() - 1) as f64;
         // Entries are computed in 32 bits; a value on the function's first point is exact.
         let slack = |value: f64| {
             if value == self.range[0] && margin == 0.0 {
@@ -156,9 +165,9 @@ impl Preintegration {
     ///
     /// Extinctions are optical depths of a whole step, `step` unit distances long; values are in ranges of the function.
     pub(crate) fn texels(&self, step: f64) -> Vec<[f32; 4]> {
-        let mut texels = vec![[0.0f32; 4]; ROWS as usize * self.entries];
+        let mut texels = vec![[0.0f32; 4]; ROWS as usize * self.count()];
         let mut sums = Integrals::default();
-        for entry in 0..self.entries {
+        for entry in 0..self.count() {
             if entry > 0 {
                 self.integrate(entry, step, &mut sums);
             }
@@ -169,7 +178,7 @@ impl Preintegration {
                 [kr, kg, kb, sums.extinction],
                 [er, eg, eb, self.place_in_range(entry)],
             ];
-            let mut put = |row: usize, texel: [f32; 4]| texels[row * self.entries + entry] = texel;
+            let mut put = |row: usize, texel: [f32; 4]| texels[row * self.count() + entry] = texel;
             for (row, values) in pairs.into_iter().enumerate() {
                 put(2 * row, values.map(|v| v as f32));
                 put(

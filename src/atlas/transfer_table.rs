@@ -75,7 +75,7 @@ impl TransferTable {
             values.last().copied().unwrap_or(0.0),
         );
         let (bins, width) = if high > low {
-            let bins = best_bins(&values);
+            let bins = best_cells(&values, MIN_BINS..=MAX_BINS);
             (bins, (high - low) / bins as f64)
         } else {
             // One control point, or a single jump: all the action is at the borders of the padding.
@@ -211,12 +211,13 @@ fn shows(o: &Optical) -> bool {
     o.opacity > 0.0 || o.emission.iter().any(|&e| e > 0.0)
 }
 
-/// The number of bins that puts control points nearest to bin borders; the largest such.
-fn best_bins(values: &[f64]) -> usize {
+/// The number of cells, of those given, that puts ascending values nearest to the borders of cells between the first and the last;
+/// the largest such.
+pub(super) fn best_cells(values: &[f64], allowed: std::ops::RangeInclusive<usize>) -> usize {
     let low = values[0];
     let span = values[values.len() - 1] - low;
-    let mut best = (f64::INFINITY, MAX_BINS);
-    for bins in (MIN_BINS..=MAX_BINS).rev() {
+    let mut best = (f64::INFINITY, *allowed.end());
+    for bins in allowed.rev() {
         let mut miss = 0.0f64;
         for v in values {
             let x = (v - low) / span * bins as f64;

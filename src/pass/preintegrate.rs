@@ -5,7 +5,7 @@
 //! Grid    one invocation an entry
 //! Method  Engel, Kraus and Ertl 2001; exact integrals of up to 16 parts an entry, composited
 //! Limits  one dispatch of at most 1021^2 entries
-//! Twin    src/reference (integrates each segment by itself)
+//! Twin    src/reference/preintegration.rs
 
 use std::sync::Arc;
 

@@ -43,7 +43,7 @@ impl Loaded {
         let preintegration = self.table.preintegration();
         let (table_from_sample, table_first) =
             preintegration.map_or((0.0, 0.0), |p| p.range_from_sample(self.table.samples()));
-        let table_last = preintegration.map_or(1.0, |p| (p.entries() - 1) as f32);
+        let table_cells = preintegration.map_or(1.0, |p| p.cells() as f32);
         VolumeParams {
             field_ix: volume.size().map(|n| (n - 1) as f32),
             bin_from_sample: bin_from_sample as f32,
@@ -58,7 +58,7 @@ impl Loaded {
             gradient_y_ws: gradient.y_axis.as_vec3().to_array(),
             table_from_sample: table_from_sample as f32,
             gradient_z_ws: gradient.z_axis.as_vec3().to_array(),
-            table_last,
+            table_cells,
         }
     }
 

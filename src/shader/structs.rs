@@ -34,8 +34,8 @@ gpu_struct! {
         pub table_from_sample: f32,
         /// World gradient of index z.
         pub gradient_z_ws: [f32; 3],
-        /// Entries on an axis of the preintegrated table - 1.
-        pub table_last: f32,
+        /// Cells of the preintegrated table from the first control point to the last.
+        pub table_cells: f32,
     }
 }
 

@@ -3,13 +3,18 @@
 //! Every struct here is both the scene file's JSON (unknown keys are errors) and the library's settings.
 
 mod ambient_occlusion;
-mod automatic;
+mod boundaries;
 mod camera;
 mod color;
+mod content;
 mod directions;
+mod first_picture;
+mod framing;
+mod histogram;
 mod image;
 mod lighting;
 mod march;
+mod palette;
 mod parse;
 mod presets;
 mod schema;
@@ -20,7 +25,9 @@ mod validate;
 pub use ambient_occlusion::AmbientOcclusion;
 pub use camera::{Camera, Projection, View};
 pub use color::{ColorManagement, linear_from_srgb, srgb_from_linear};
+pub use content::{Guess, Modality};
 pub use directions::{DirectionSet, directions};
+pub use first_picture::FirstPicture;
 pub use image::Image;
 pub use lighting::{Lighting, OpticalModel, Shading};
 pub use march::{Classification, Interpolation, March};

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{ColorManagement, automatic, presets};
+use super::{ColorManagement, Guess, presets};
 use crate::error::Result;
 use crate::volume::Volume;
 
@@ -44,10 +44,14 @@ impl TransferFunction {
     /// [`crate::Error::Invalid`] as [`TransferFunction::validate`].
     pub fn curve(&self, volume: &Volume, colors: ColorManagement) -> Result<Curve> {
         self.validate()?;
+        let preset = |name: &str| {
+            let points = presets::find(name)?.control_points(volume);
+            Ok((points, volume.min_spacing()))
+        };
         let (points, default_unit) = match (&self.points, &self.preset) {
             (Some(points), _) => (points.clone(), 1.0),
-            (None, Some(name)) => (presets::find(name)?.control_points(), volume.min_spacing()),
-            (None, None) => (automatic::control_points(volume)?, volume.min_spacing()),
+            (None, Some(name)) => preset(name)?,
+            (None, None) => preset(Guess::of(volume).preset)?,
         };
         let unit_distance = self.unit_distance.unwrap_or(default_unit);
         Ok(Curve::new(unit_distance, &points, colors))

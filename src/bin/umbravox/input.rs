@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use umbravox::io::{self, ReadOptions};
 use umbravox::output;
-use umbravox::scene::{self, Override, Scene};
+use umbravox::scene::{self, FirstPicture, Guess, Override, Scene};
 use umbravox::volume::Volume;
 use umbravox::{Error, Result};
 
@@ -14,16 +14,37 @@ use crate::args::InputArgs;
 
 /// The scene named on the command line, or the one that suits the volume named there.
 pub(crate) fn read_scene(args: &InputArgs) -> Result<Scene> {
-    let overrides = args
-        .overrides
-        .iter()
-        .map(|text| Override::parse(text))
-        .collect::<Result<Vec<_>>>()?;
+    let overrides = overrides(args)?;
     if scene::is_scene_file(&args.path)? {
         Scene::read(&args.path, &overrides)
     } else {
         Scene::for_volume(&args.path, &overrides)
     }
+}
+
+/// A scene and its volume. For a volume named on the command line the scene is one that suits it; what was reduced for
+/// that is said on stderr.
+pub(crate) fn load(args: &InputArgs, scene: Scene) -> Result<(Scene, Arc<Volume>)> {
+    let volume = read_volume(&scene)?;
+    if scene::is_scene_file(&args.path)? {
+        return Ok((scene, volume));
+    }
+    let first = FirstPicture::of(&args.path, volume, &overrides(args)?)?;
+    for notice in &first.notices {
+        tracing::warn!("{notice}");
+    }
+    let Guess {
+        modality,
+        reason,
+        preset,
+    } = &first.guess;
+    tracing::info!("taken for {modality:?} ({reason}): transfer function {preset}");
+    Ok((first.scene, first.volume))
+}
+
+fn overrides(args: &InputArgs) -> Result<Vec<Override>> {
+    let parse = |text: &String| Override::parse(text);
+    args.overrides.iter().map(parse).collect()
 }
 
 /// The volume of a scene.

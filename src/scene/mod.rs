@@ -19,6 +19,7 @@ mod parse;
 mod presets;
 mod schema;
 mod storage;
+mod transfer_file;
 mod transfer_function;
 mod validate;
 
@@ -35,6 +36,7 @@ pub use parse::{Override, is_scene_file};
 pub use presets::{PRESETS, Preset};
 pub use schema::schema;
 pub use storage::Storage;
+pub use transfer_file::{TRANSFER_TOLERANCE, TransferFile, TransferFormat};
 pub use transfer_function::{ControlPoint, Curve, CurvePoint, Optical, TransferFunction};
 pub use validate::{MAX_EMISSION, MAX_IMAGE_SIZE, MAX_RAYS, MAX_SAMPLES_PER_RAY, MIN_STEP};
 

@@ -68,6 +68,9 @@ impl Scene {
         let mut scene = Self::from_value(unique_keys::parse(text)?, overrides)?;
         // `join` keeps an absolute path as it is.
         scene.volume.path = folder.join(&scene.volume.path);
+        if let Some(file) = &mut scene.transfer_function.file {
+            *file = folder.join(&*file);
+        }
         Ok(scene)
     }
 

@@ -30,7 +30,10 @@ const BACK_OPACITY: f64 = 0.90;
 const TOLERANCE: f64 = 0.02;
 
 /// Control points, or `None` where no boundary stands out.
-pub(super) fn control_points(volume: &Volume, histogram: &ValueHistogram) -> Option<Vec<ControlPoint>> {
+pub(super) fn control_points(
+    volume: &Volume,
+    histogram: &ValueHistogram,
+) -> Option<Vec<ControlPoint>> {
     let tents = Derivatives::of(volume, histogram).tents()?;
     let boundaries = runs(&tents);
     let opacities = opacities(&tents, &boundaries);
@@ -78,7 +81,9 @@ impl Derivatives {
     fn of(volume: &Volume, histogram: &ValueHistogram) -> Self {
         let bins = histogram.bins();
         let size = volume.size();
-        let stride = (volume.voxels().len() as f64 / SAMPLES as f64).cbrt().ceil() as usize;
+        let stride = (volume.voxels().len() as f64 / SAMPLES as f64)
+            .cbrt()
+            .ceil() as usize;
         let stride = stride.max(1);
         let inner = |axis: usize| (1..size[axis].saturating_sub(1)).step_by(stride);
         let slices: Vec<u32> = inner(2).collect();
@@ -140,7 +145,10 @@ impl Derivatives {
         let enough = MIN_SHARE * count.iter().sum::<f64>();
         let mean = |sum: f64, n: f64| if n >= enough && n > 0.0 { sum / n } else { 0.0 };
         let means = |sums: &[f64]| -> Vec<f64> {
-            sums.iter().zip(&count).map(|(&sum, &n)| mean(sum, n)).collect()
+            sums.iter()
+                .zip(&count)
+                .map(|(&sum, &n)| mean(sum, n))
+                .collect()
         };
         let (g, h) = (means(&first), means(&second));
         let largest = |values: &[f64]| values.iter().fold(0.0f64, |m, v| m.max(v.abs()));

@@ -16,11 +16,11 @@ const RADIUS: [f64; 2] = [6.0, 40.0];
 /// Samples on one of its rays.
 const SAMPLES_PER_RAY: f64 = 8.0;
 /// Most and fewest directions.
-const RAYS: [f64; 2] = [8.0, 32.0];
-/// Samples of light that two cores take in about 20 seconds.
-const LIGHT_SAMPLES: f64 = 3e8;
+const RAYS: [f64; 2] = [6.0, 24.0];
+/// Samples of light that two cores take in some 10 seconds.
+const LIGHT_SAMPLES: f64 = 2e8;
 /// Label maps above this are thinned: coarser levels would mix labels.
-const MAX_LABEL_VOXELS: usize = 20 << 20;
+const MAX_LABEL_VOXELS: usize = 8 << 20;
 /// Extents flatter than this, relative to the others, are looked at from above.
 const FLAT: f64 = 0.45;
 const FLAT_ELEVATION: f64 = 50.0;
@@ -48,7 +48,9 @@ impl FirstPicture {
         let mut notices = Vec::new();
         let is_labels = guess.modality == Modality::Labels;
         let volume = if is_labels && volume.voxels().len() > MAX_LABEL_VOXELS {
-            let every = (volume.voxels().len() as f64 / MAX_LABEL_VOXELS as f64).cbrt().ceil() as u32;
+            let every = (volume.voxels().len() as f64 / MAX_LABEL_VOXELS as f64)
+                .cbrt()
+                .ceil() as u32;
             notices.push(format!(
                 "labels are thinned to every voxel in {every} on each axis; a scene file renders all of them"
             ));

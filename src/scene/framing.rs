@@ -29,21 +29,23 @@ impl Visible {
     pub(super) fn of(volume: &Volume, curve: &Curve) -> Self {
         let opacity = opacity_of_stored(volume, curve);
         let size = volume.size();
-        let edge = size.into_iter().max().unwrap_or(1).div_ceil(CELLS).max(1);
-        let [across, down, deep] = size.map(|n| n.div_ceil(edge));
+        let edge = cell_edges(volume);
+        let counts: [u32; 3] = std::array::from_fn(|a| size[a].div_ceil(edge[a]));
+        let [across, down, deep] = counts;
         let slabs = (0..deep).into_par_iter().flat_map_iter(|z| {
             let sums = slab_sums(volume, &opacity, edge, z);
             let cells = (0..down).flat_map(move |y| (0..across).map(move |x| [x, y, z]));
             cells
                 .zip(sums)
                 .filter_map(move |(cell, sum)| {
-                    let first = cell.map(|c| c * edge);
-                    let end: [u32; 3] = std::array::from_fn(|a| (first[a] + edge).min(size[a]));
+                    let first: [u32; 3] = std::array::from_fn(|a| cell[a] * edge[a]);
+                    let end: [u32; 3] = std::array::from_fn(|a| (first[a] + edge[a]).min(size[a]));
                     let voxels: f64 = (0..3).map(|a| f64::from(end[a] - first[a])).product();
                     // Cells meet between voxels; the field ends at the outermost ones.
                     let low = first.map(|n| (f64::from(n) - 0.5).max(0.0));
-                    let high: [f64; 3] =
-                        std::array::from_fn(|a| (f64::from(end[a]) - 0.5).min(f64::from(size[a] - 1)));
+                    let high: [f64; 3] = std::array::from_fn(|a| {
+                        (f64::from(end[a]) - 0.5).min(f64::from(size[a] - 1))
+                    });
                     let shown = sum > MIN_OPACITY * voxels;
                     shown.then(|| [low, high].map(DVec3::from_array))
                 })
@@ -173,16 +175,24 @@ fn opacity_of_stored(volume: &Volume, curve: &Curve) -> StoredOpacity {
     }
 }
 
+/// Voxels on each axis of a cell that is about as long on all of them in the world.
+fn cell_edges(volume: &Volume) -> [u32; 3] {
+    let (size, spacing) = (volume.size(), volume.spacing());
+    let lengths: [f64; 3] = std::array::from_fn(|a| f64::from(size[a]) * spacing[a]);
+    let cell = lengths.into_iter().fold(0.0, f64::max) / f64::from(CELLS);
+    spacing.map(|s| (cell / s).round().max(1.0) as u32)
+}
+
 /// Sum of the opacities in each cell of a slab of cells, x fastest.
-fn slab_sums(volume: &Volume, opacity: &StoredOpacity, edge: u32, slab: u32) -> Vec<f64> {
+fn slab_sums(volume: &Volume, opacity: &StoredOpacity, edge: [u32; 3], slab: u32) -> Vec<f64> {
     let [nx, ny, nz] = volume.size();
-    let across = nx.div_ceil(edge) as usize;
-    let mut sums = vec![0.0; across * ny.div_ceil(edge) as usize];
-    for k in slab * edge..((slab + 1) * edge).min(nz) {
+    let across = nx.div_ceil(edge[0]) as usize;
+    let mut sums = vec![0.0; across * ny.div_ceil(edge[1]) as usize];
+    for k in slab * edge[2]..((slab + 1) * edge[2]).min(nz) {
         for j in 0..ny {
             let row = volume.offset(0, j, k)..volume.offset(0, j, k) + nx as usize;
-            let cells = &mut sums[(j / edge) as usize * across..][..across];
-            let edge = edge as usize;
+            let cells = &mut sums[(j / edge[1]) as usize * across..][..across];
+            let edge = edge[0] as usize;
             match volume.voxels() {
                 Voxels::U8(v) => add(cells, edge, &v[row], opacity),
                 Voxels::I8(v) => add(cells, edge, &v[row], opacity),

@@ -11,9 +11,7 @@ impl Volume {
     /// # Errors
     /// As [`Volume::new`], which does not happen for a volume that is valid.
     pub fn thinned(&self, every: u32) -> Result<Self> {
-        let every = self
-            .size
-            .map(|n| every.clamp(1, (n - 1) / (MIN_SIZE - 1)));
+        let every = self.size.map(|n| every.clamp(1, (n - 1) / (MIN_SIZE - 1)));
         let size: [u32; 3] = std::array::from_fn(|axis| (self.size[axis] - 1) / every[axis] + 1);
         let voxels = match &self.voxels {
             Voxels::U8(v) => Voxels::U8(self.pick(v, size, every)),
@@ -30,7 +28,8 @@ impl Volume {
 
     fn pick<T: Copy>(&self, voxels: &[T], size: [u32; 3], every: [u32; 3]) -> Vec<T> {
         let [nx, ny, nz] = size;
-        let places = (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])));
+        let places =
+            (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])));
         places
             .map(|[i, j, k]| voxels[self.offset(i * every[0], j * every[1], k * every[2])])
             .collect()

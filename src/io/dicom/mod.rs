@@ -126,8 +126,7 @@ fn read(bundle: &Bundle, series: Series, options: &ReadOptions<'_>) -> Result<Vo
         return Err(bad(path, "the series holds no picture".into()));
     };
     let modality = first.modality.as_deref().unwrap_or_default();
-    let metadata =
-        Metadata::stated("DICOM Modality", modality, MODALITIES).with_patient_axes(true);
+    let metadata = Metadata::stated("DICOM Modality", modality, MODALITIES).with_patient_axes(true);
     let encoding = pixels::Encoding::common(path, &stack.frames)?;
     let axes = [first.columns, first.rows, stack.frames.len() as u64];
     let grid = Grid::of_one(

@@ -121,7 +121,9 @@ fn read_pages(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
     let steps = [x * spacing.x, y * spacing.y, z * spacing.z];
     let world_from_ix = grid::placement(path, "spacing", steps, DVec3::ZERO)?;
     let volume = grid::volume(path, voxels, grid, world_from_ix, Rescale::default())?;
-    let content = layout.is_ome.then(|| (Content::Microscopy, "OME-XML".into()));
+    let content = layout
+        .is_ome
+        .then(|| (Content::Microscopy, "OME-XML".into()));
     Ok(volume.with_metadata(Metadata {
         content,
         patient_axes: false,

@@ -89,7 +89,11 @@ impl Guess {
                 Content::Labels => Modality::Labels,
             };
             let unscaled = *content == Content::Ct && modality == Modality::MicroCt;
-            let but = if unscaled { ", but no Hounsfield units" } else { "" };
+            let but = if unscaled {
+                ", but no Hounsfield units"
+            } else {
+                ""
+            };
             return guess(modality, format!("the file says so: {key}{but}"));
         }
         if let Some(reason) = labels::reason(volume) {
@@ -111,11 +115,15 @@ impl Guess {
         }
         let smooth = roughness(volume) <= MAX_SMOOTH;
         match (histogram.has_second_peak(PEAK_RISE), smooth) {
-            (true, _) => guess(Modality::MicroCt, format!("a peak above the background, {filled}")),
+            (true, _) => guess(
+                Modality::MicroCt,
+                format!("a peak above the background, {filled}"),
+            ),
             (false, true) => guess(Modality::Simulation, format!("smooth, {filled}")),
-            (false, false) => {
-                guess(Modality::Microscopy, format!("noisy, no peak above the background, {filled}"))
-            }
+            (false, false) => guess(
+                Modality::Microscopy,
+                format!("noisy, no peak above the background, {filled}"),
+            ),
         }
     }
 }

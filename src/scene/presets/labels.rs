@@ -25,7 +25,11 @@ pub(super) fn control_points(volume: &Volume) -> Vec<ControlPoint> {
     let thinned = full && labels.len() >= MANY;
     let shown = |label: u64| !thinned || scatter(label) % ONE_IN == 0;
     let mut points: Vec<ControlPoint> = Vec::new();
-    for label in labels.into_iter().map(|(label, _)| label).filter(|&l| shown(l)) {
+    for label in labels
+        .into_iter()
+        .map(|(label, _)| label)
+        .filter(|&l| shown(l))
+    {
         let color = palette::of_label(label);
         let value = label as f64;
         for (value, opacity) in [

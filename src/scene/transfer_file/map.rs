@@ -102,7 +102,11 @@ impl Map {
                 Node::linear(p.value, [r, g, b, p.opacity])
             })
             .collect();
-        let exact = |x: f64| along(&nodes, x, |a, b, share| mix_managed(management, a, b, share));
+        let exact = |x: f64| {
+            along(&nodes, x, |a, b, share| {
+                mix_managed(management, a, b, share)
+            })
+        };
         let knots: Vec<f64> = nodes.iter().map(|n| n.x).collect();
         let range = match (knots.first(), knots.last()) {
             (Some(first), Some(last)) if last > first => last - first,
@@ -175,9 +179,9 @@ fn sampled(
     knots.dedup();
     let mut samples: Vec<Sample> = Vec::new();
     let push = |samples: &mut Vec<Sample>, sample: Sample| {
-        let known = samples.last().is_some_and(|last| {
-            last.0 == sample.0 && differ(last.1, sample.1) <= TOLERANCE * 1e-3
-        });
+        let known = samples
+            .last()
+            .is_some_and(|last| last.0 == sample.0 && differ(last.1, sample.1) <= TOLERANCE * 1e-3);
         if !known {
             samples.push(sample);
         }

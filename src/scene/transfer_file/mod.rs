@@ -63,7 +63,9 @@ impl TransferFormat {
             (".xml", Self::ParaviewXml),
             (".vp", Self::SlicerVp),
         ];
-        let known = endings.into_iter().find(|(ending, _)| name.ends_with(ending));
+        let known = endings
+            .into_iter()
+            .find(|(ending, _)| name.ends_with(ending));
         known.map(|(_, format)| format).ok_or_else(|| {
             Error::invalid(
                 path.display().to_string(),
@@ -116,7 +118,10 @@ impl TransferFile {
         let text = std::str::from_utf8(&bytes).map_err(|e| {
             Error::invalid(
                 &name,
-                format!("byte {} is not UTF-8; transfer functions are text", e.valid_up_to()),
+                format!(
+                    "byte {} is not UTF-8; transfer functions are text",
+                    e.valid_up_to()
+                ),
             )
         })?;
         Self::parse(text, &name)
@@ -151,7 +156,11 @@ impl TransferFile {
             slicer::of_json(value, place)
         } else if is("points") || is("preset") {
             let function: TransferFunction = serde_path_to_error::deserialize(value.clone())
-                .map_err(|e| place.at(&e.path().to_string()).invalid(e.inner().to_string()))?;
+                .map_err(|e| {
+                    place
+                        .at(&e.path().to_string())
+                        .invalid(e.inner().to_string())
+                })?;
             function.validate().map_err(|e| place.around(e))?;
             let Some(points) = function.points else {
                 return Err(place.invalid("has no \"points\"".into()));
@@ -181,7 +190,12 @@ impl TransferFile {
 
     /// The text of a file. `name` is what it is called inside, where the form has names. Colours of control points are
     /// taken as mixed under `management`.
-    pub fn to_text(&self, format: TransferFormat, name: &str, management: ColorManagement) -> String {
+    pub fn to_text(
+        &self,
+        format: TransferFormat,
+        name: &str,
+        management: ColorManagement,
+    ) -> String {
         if format == TransferFormat::Scene {
             let function = TransferFunction {
                 unit_distance: self.unit_distance,
@@ -211,7 +225,11 @@ pub(super) fn stretch(points: &mut [ControlPoint], [low, high]: [f64; 2]) {
     };
     let (from, width) = (first.value, last.value - first.value);
     for point in points {
-        let share = if width > 0.0 { (point.value - from) / width } else { 0.0 };
+        let share = if width > 0.0 {
+            (point.value - from) / width
+        } else {
+            0.0
+        };
         point.value = low + (high - low) * share;
     }
 }

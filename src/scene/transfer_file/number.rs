@@ -90,7 +90,9 @@ impl Place {
                 return Err(place.invalid(format!("{wrong} is not a number from 0 to 1")));
             }
             if !(node.midpoint > 0.0 && node.midpoint < 1.0) {
-                return Err(place.invalid(format!("midpoint {} is not between 0 and 1", node.midpoint)));
+                return Err(
+                    place.invalid(format!("midpoint {} is not between 0 and 1", node.midpoint))
+                );
             }
         }
         Ok(nodes)

@@ -28,7 +28,10 @@ fn space(name: &str, place: &Place) -> Result<ColorSpace> {
     let known = SPACES.iter().find(|(known, _)| *known == name);
     known.map(|&(_, space)| space).ok_or_else(|| {
         let names: Vec<&str> = SPACES.iter().map(|(name, _)| *name).collect();
-        place.invalid(format!("{name:?} is not followed; valid are {}", names.join(", ")))
+        place.invalid(format!(
+            "{name:?} is not followed; valid are {}",
+            names.join(", ")
+        ))
     })
 }
 
@@ -60,7 +63,9 @@ pub(super) fn of_json(value: &Value, place: &Place) -> Result<TransferFile> {
         set.is_some_and(|v| v.as_bool() == Some(true) || v.as_f64().is_some_and(|n| n != 0.0))
     });
     if let Some(key) = log {
-        return Err(place.at(key).invalid("logarithmic scales are not followed".into()));
+        return Err(place
+            .at(key)
+            .invalid("logarithmic scales are not followed".into()));
     }
     let at = place.at("RGBPoints");
     let colors: Vec<Node<3>> = at.flat(&at.json_numbers(rgb)?)?;
@@ -123,7 +128,9 @@ pub(super) fn of_xml(text: &str, place: &Place) -> Result<TransferFile> {
         .find(|e| e.has_tag_name("ColorMap"))
         .ok_or_else(|| place.invalid("has no <ColorMap>".into()))?;
     let place = place.at("ColorMap");
-    if map.attribute("indexedlookup") == Some("true") || map.attribute("indexedLookup") == Some("true") {
+    if map.attribute("indexedlookup") == Some("true")
+        || map.attribute("indexedLookup") == Some("true")
+    {
         return Err(place.invalid("names colours of categories; a map of values is needed".into()));
     }
     let points: Vec<Element> = map.children().filter(|e| e.has_tag_name("Point")).collect();

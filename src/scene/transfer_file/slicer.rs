@@ -60,9 +60,14 @@ pub(super) fn of_vp(text: &str, place: &Place) -> Result<TransferFile> {
 fn counted(line: &str, place: &Place) -> Result<Vec<f64>> {
     let mut words = line.split_whitespace();
     let count = place.number(words.next().unwrap_or_default())?;
-    let numbers = words.map(|word| place.number(word)).collect::<Result<Vec<f64>>>()?;
+    let numbers = words
+        .map(|word| place.number(word))
+        .collect::<Result<Vec<f64>>>()?;
     if numbers.len() as f64 != count {
-        return Err(place.invalid(format!("announces {count} numbers and has {}", numbers.len())));
+        return Err(place.invalid(format!(
+            "announces {count} numbers and has {}",
+            numbers.len()
+        )));
     }
     Ok(numbers)
 }
@@ -76,8 +81,10 @@ pub(super) fn of_json(value: &Value, place: &Place) -> Result<TransferFile> {
     let colors = nodes(component, "rgbTransferFunction", &place, |point, at| {
         let color = at.at("color").json_numbers(&point["color"])?;
         let given = color.len();
-        <[f64; 3]>::try_from(color)
-            .map_err(|_| at.at("color").invalid(format!("has {given} numbers; a colour has 3")))
+        <[f64; 3]>::try_from(color).map_err(|_| {
+            at.at("color")
+                .invalid(format!("has {given} numbers; a colour has 3"))
+        })
     })?;
     let opacities = nodes(component, "scalarOpacity", &place, |point, at| {
         Ok([at.at("y").json_number(&point["y"])?])
@@ -134,7 +141,10 @@ pub(super) fn to_vp(map: &Map) -> String {
         format!("{} {}", words.len(), words.join(" "))
     };
     let opacities = map.opacities.iter().flat_map(|n| [n.x, n.y[0]]);
-    let colors = map.colors.iter().flat_map(|n| [n.x, n.y[0], n.y[1], n.y[2]]);
+    let colors = map
+        .colors
+        .iter()
+        .flat_map(|n| [n.x, n.y[0], n.y[1], n.y[2]]);
     let (opacities, colors) = (line(opacities.collect()), line(colors.collect()));
     format!("{SHADING}{opacities}\n{NO_GRADIENT}\n{colors}\n")
 }
@@ -173,5 +183,8 @@ pub(super) fn to_json(map: &Map, unit_distance: Option<f64>) -> String {
         "interpolationType": "linear",
         "components": [component],
     });
-    format!("{:#}\n", json!({ "@schema": SCHEMA, "volumeProperties": [property] }))
+    format!(
+        "{:#}\n",
+        json!({ "@schema": SCHEMA, "volumeProperties": [property] })
+    )
 }

@@ -34,7 +34,9 @@ pub(super) fn control_points(
     volume: &Volume,
     histogram: &ValueHistogram,
 ) -> Option<Vec<ControlPoint>> {
-    let tents = Derivatives::of(volume, histogram).tents()?;
+    let mut tents = Derivatives::of(volume, histogram).tents()?;
+    // Noise makes gradients in the background too.
+    tents[..histogram.foreground_bin()].fill(0.0);
     let boundaries = runs(&tents);
     let opacities = opacities(&tents, &boundaries);
     let visible: Vec<(f64, f64)> = corners(&opacities)

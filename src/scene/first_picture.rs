@@ -20,7 +20,7 @@ const RAYS: [f64; 2] = [6.0, 24.0];
 /// Samples of light that two cores take in some 10 seconds.
 const LIGHT_SAMPLES: f64 = 2e8;
 /// Label maps above this are thinned: coarser levels would mix labels.
-const MAX_LABEL_VOXELS: usize = 8 << 20;
+const MAX_LABEL_VOXELS: usize = 3 << 20;
 /// Extents flatter than this, relative to the others, are looked at from above.
 const FLAT: f64 = 0.45;
 const FLAT_ELEVATION: f64 = 50.0;

@@ -43,8 +43,20 @@ impl ValueHistogram {
             Voxels::I16(v) => count(v, bins, bin_of),
             Voxels::F32(v) => count(v, bins, bin_of),
         };
-        histogram.foreground = background_end(&histogram.counts);
+        histogram.foreground = background_end(&histogram.counts, BACKGROUND_END);
         histogram
+    }
+
+    /// The same for a field that runs on below its peak: the background ends at half of that.
+    pub(super) fn of_field(volume: &Volume) -> Self {
+        let mut histogram = Self::of(volume);
+        histogram.foreground = background_end(&histogram.counts, 0.5);
+        histogram
+    }
+
+    /// First bin above the background.
+    pub(super) fn foreground_bin(&self) -> usize {
+        self.foreground
     }
 
     pub(super) fn bins(&self) -> usize {
@@ -121,15 +133,15 @@ fn count<T: Copy + Into<f64> + Sync>(
 }
 
 /// First bin above the background: above the highest peak of the darker half, once the counts have fallen to
-/// [`BACKGROUND_END`] of it. 0 when the peak lies in the brighter half, or nothing lies above.
-fn background_end(counts: &[u64]) -> usize {
+/// `level` of it. 0 when the peak lies in the brighter half, or nothing lies above.
+fn background_end(counts: &[u64], level: f64) -> usize {
     let smooth = smoothed(counts);
     let highest = smooth.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
     let Some((peak, &height)) = highest else {
         return 0;
     };
     let end = (peak + 1..counts.len())
-        .find(|&bin| smooth[bin] <= BACKGROUND_END * height)
+        .find(|&bin| smooth[bin] <= level * height)
         .unwrap_or(counts.len());
     let above: u64 = counts[end..].iter().sum();
     if peak >= counts.len() / 2 || above == 0 {

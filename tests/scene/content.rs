@@ -172,7 +172,7 @@ fn many_labels_that_fill_the_volume_are_thinned_out() {
     let cells: Vec<u16> = (0..SIZE.pow(3))
         .map(|at| {
             let [x, y, z] = [at % SIZE, at / SIZE % SIZE, at / SIZE / SIZE].map(|n| n / 6);
-            (1 + x + 8 * (y + 8 * z)) as u16
+            (1 + (x + 8 * (y + 8 * z)) * 173 % 512) as u16
         })
         .collect();
     let volume = Volume::axis_aligned(Voxels::U16(cells), [SIZE; 3], [1.0; 3]).unwrap();

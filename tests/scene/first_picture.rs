@@ -19,7 +19,7 @@ fn box_in_the_dark(first: [u32; 3], last: [u32; 3]) -> Arc<Volume> {
         if inside {
             900 + (at * 7919 % 100) as u16
         } else {
-            (at * 104_729 % 50) as u16
+            (at * 10_473 % 50) as u16
         }
     });
     let placement = DAffine3 {

@@ -108,13 +108,13 @@ fn paraview_json_means_what_it_says() {
         assert_near(
             &at(&points, management, -1000.0),
             &[0.23137254902, 0.298039215686, 0.752941176471, 0.0],
-            1e-6,
+            TRANSFER_TOLERANCE,
             "first",
         );
         assert_near(
             &at(&points, management, 0.0),
             &[0.865, 0.865, 0.865, 0.0],
-            1e-6,
+            TRANSFER_TOLERANCE,
             "middle",
         );
         assert_near(
@@ -126,7 +126,7 @@ fn paraview_json_means_what_it_says() {
         assert_near(
             &at(&points, management, 5000.0),
             &[0.705882352941, 0.0156862745098, 0.149019607843, 0.8],
-            1e-6,
+            TRANSFER_TOLERANCE,
             "the end holds",
         );
     }

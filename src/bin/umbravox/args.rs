@@ -31,8 +31,7 @@ pub(crate) enum Command {
     /// List the formats that are read.
     Formats(FormatsArgs),
     /// List, convert and plot transfer functions.
-    #[command(subcommand)]
-    Tf(TfCommand),
+    Tf(TfArgs),
     /// Export the light volume of local ambient occlusion.
     Light(LightArgs),
     /// Time frames of an orbit.
@@ -86,9 +85,15 @@ pub(crate) struct FormatsArgs {
     pub(crate) json: bool,
 }
 
+#[derive(Args)]
+pub(crate) struct TfArgs {
+    #[command(subcommand)]
+    pub(crate) command: Option<TfCommand>,
+}
+
 #[derive(Subcommand)]
 pub(crate) enum TfCommand {
-    /// List the presets.
+    /// List the presets (what `tf` alone does).
     List(TfListArgs),
     /// Write a preset or a file in another form.
     Convert(TfConvertArgs),

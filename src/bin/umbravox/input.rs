@@ -59,21 +59,28 @@ const HEADER_BYTES: u64 = 64 << 10;
 /// way of writing it.
 pub(crate) fn check_output(output: &Path, args: &InputArgs, scene: &Scene) -> Result<PathBuf> {
     output::check_place(output)?;
-    let is_input = [&args.path, &scene.volume.path]
-        .into_iter()
-        .any(|input| is_read(input, output));
-    if is_input {
-        return Err(Error::invalid(
-            output.display().to_string(),
-            "is also an input; give another file",
-        ));
-    }
+    let inputs = [args.path.as_path(), scene.volume.path.as_path()];
+    check_no_input(output, inputs.into_iter())?;
     let folder = match output.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
     let folder = folder.canonicalize().map_err(|e| Error::io(folder, e))?;
     Ok(folder.join(output.file_name().unwrap_or_default()))
+}
+
+/// Checks that nothing is read from `output`.
+pub(crate) fn check_no_input<'a>(
+    output: &Path,
+    mut inputs: impl Iterator<Item = &'a Path>,
+) -> Result<()> {
+    if inputs.any(|input| is_read(input, output)) {
+        return Err(Error::invalid(
+            output.display().to_string(),
+            "is also an input; give another file",
+        ));
+    }
+    Ok(())
 }
 
 /// True when reading `input` may read an existing file at `output`: the file itself, one in the folder, the other half of an Analyze pair, or a data

@@ -9,17 +9,18 @@ use umbravox::scene::{ColorManagement, Curve, PRESETS, TransferFile, TransferFor
 use umbravox::volume::{Summary, Volume};
 use umbravox::{Error, Result};
 
-use crate::args::{TfCommand, TfConvertArgs, TfListArgs, TfPlotArgs, TfSource};
-use crate::terminal;
+use crate::args::{TfArgs, TfCommand, TfConvertArgs, TfPlotArgs, TfSource};
+use crate::{input, terminal};
 
 /// Length of presets without a volume, mm.
 const UNIT: f64 = 1.0;
 
-pub(crate) fn run(command: &TfCommand) -> Result<()> {
-    match command {
-        TfCommand::List(args) => list(args),
-        TfCommand::Convert(args) => convert(args),
-        TfCommand::Plot(args) => plot(args),
+pub(crate) fn run(args: &TfArgs) -> Result<()> {
+    match &args.command {
+        None => list(false),
+        Some(TfCommand::List(args)) => list(args.json),
+        Some(TfCommand::Convert(args)) => convert(args),
+        Some(TfCommand::Plot(args)) => plot(args),
     }
 }
 
@@ -32,7 +33,7 @@ struct Row {
     needs_volume: bool,
 }
 
-fn list(args: &TfListArgs) -> Result<()> {
+fn list(json: bool) -> Result<()> {
     let rows: Vec<Row> = PRESETS
         .iter()
         .map(|preset| Row {
@@ -41,7 +42,7 @@ fn list(args: &TfListArgs) -> Result<()> {
             needs_volume: preset.fixed_points().is_none(),
         })
         .collect();
-    if args.json {
+    if json {
         return terminal::print_json(&rows);
     }
     let width = rows.iter().map(|row| row.name.len()).max().unwrap_or(0);
@@ -53,7 +54,7 @@ fn list(args: &TfListArgs) -> Result<()> {
 }
 
 fn convert(args: &TfConvertArgs) -> Result<()> {
-    output::check_place(&args.output)?;
+    check_output(&args.output, &args.source)?;
     let format = match &args.format {
         Some(name) => format_of_name(name)?,
         None => TransferFormat::of_path(&args.output)?,
@@ -81,7 +82,7 @@ fn format_of_name(name: &str) -> Result<TransferFormat> {
 }
 
 fn plot(args: &TfPlotArgs) -> Result<()> {
-    output::check_place(&args.output)?;
+    check_output(&args.output, &args.source)?;
     let is_png = args
         .output
         .extension()
@@ -104,6 +105,12 @@ fn plot(args: &TfPlotArgs) -> Result<()> {
         counts: &h.counts,
     });
     output::write_plot(&args.output, &args.source.input, &curve, colors, histogram)
+}
+
+fn check_output(output: &Path, source: &TfSource) -> Result<()> {
+    output::check_place(output)?;
+    let inputs = [Some(Path::new(&source.input)), source.volume.as_deref()];
+    input::check_no_input(output, inputs.into_iter().flatten())
 }
 
 /// A preset or a file, and the volume beside it.

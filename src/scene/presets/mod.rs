@@ -32,6 +32,8 @@ enum Scale {
     Hounsfield(Points),
     /// Shares of the voxels above the background, [0,1].
     Foreground(Points),
+    /// The same of a field, whose background is less distinct.
+    Field(Points),
     /// There are none: [`boundaries`] finds them.
     Boundaries,
     /// There are none: each label gets its own.
@@ -87,6 +89,7 @@ impl Preset {
         match self.scale {
             Scale::Hounsfield(points) => points.iter().copied().map(control_point).collect(),
             Scale::Foreground(points) => relative_points(points, &ValueHistogram::of(volume)),
+            Scale::Field(points) => relative_points(points, &ValueHistogram::of_field(volume)),
             Scale::Labels => labels::control_points(volume),
             Scale::Boundaries => {
                 let histogram = ValueHistogram::of(volume);

@@ -52,7 +52,7 @@ pub(super) const PRESETS: [Preset; 5] = [
     Preset {
         name: "simulation",
         description: "fields of simulations: blue to red through white, the highest values opaque",
-        scale: Scale::Foreground(&[
+        scale: Scale::Field(&[
             (0.10, [0.12, 0.20, 0.60], 0.0),
             (0.50, [0.35, 0.55, 0.90], 0.02),
             (0.80, [0.85, 0.87, 0.90], 0.06),

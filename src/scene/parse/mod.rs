@@ -97,6 +97,8 @@ impl Scene {
         // A camera of another type has none of the keys of ours.
         if overrides.iter().any(|one| one.is_at(&["camera", "type"])) {
             parts["camera"] = json!({});
+        } else if parts["camera"].is_null() {
+            parts["camera"] = json!({ "type": "auto" });
         }
         let mut scene = Self::from_value(parts, overrides)?;
         if scene.volume.path.as_os_str() == name.as_ref() {

@@ -17,8 +17,10 @@ const RADIUS: [f64; 2] = [6.0, 40.0];
 const SAMPLES_PER_RAY: f64 = 8.0;
 /// Most and fewest directions.
 const RAYS: [f64; 2] = [6.0, 24.0];
-/// Samples of light that two cores take in some 10 seconds.
-const LIGHT_SAMPLES: f64 = 2e8;
+/// Samples of light that two cores take in some 15 seconds.
+const LIGHT_SAMPLES: f64 = 1e8;
+/// Visible voxels above which levels of detail are chosen.
+const MAX_VISIBLE: f64 = 3.5e6;
 /// Label maps above this are thinned: coarser levels would mix labels.
 const MAX_LABEL_VOXELS: usize = 3 << 20;
 /// Extents flatter than this, relative to the others, are looked at from above.
@@ -114,11 +116,10 @@ impl Light {
         let step = ((radius - 1.0) / SAMPLES_PER_RAY).max(1.0);
         let samples_per_direction = visible.voxels().max(1.0) * SAMPLES_PER_RAY;
         let rays = (LIGHT_SAMPLES / samples_per_direction).clamp(RAYS[0], RAYS[1]);
-        let most_voxels = LIGHT_SAMPLES / (RAYS[0] * SAMPLES_PER_RAY);
-        let data_reduction = if is_labels || visible.voxels() <= most_voxels {
+        let data_reduction = if is_labels || visible.voxels() <= MAX_VISIBLE {
             1.0
         } else {
-            let reduction = volume.voxels().len() as f64 / most_voxels;
+            let reduction = volume.voxels().len() as f64 / MAX_VISIBLE;
             (10.0 * reduction).round() / 10.0
         };
         Self {

@@ -23,7 +23,7 @@ pub(super) fn control_points(volume: &Volume) -> Vec<ControlPoint> {
     let labelled: u64 = labels.iter().map(|&(_, count)| count).sum();
     let full = labelled as f64 >= FULL * volume.voxels().len() as f64;
     let thinned = full && labels.len() >= MANY;
-    let shown = |label: u64| !thinned || scatter(label) % ONE_IN == 0;
+    let shown = |label: u64| !thinned || scatter(label).is_multiple_of(ONE_IN);
     let mut points: Vec<ControlPoint> = Vec::new();
     for label in labels
         .into_iter()

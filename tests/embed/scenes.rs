@@ -70,7 +70,7 @@ fn subject(volume: Volume, camera: Camera, points: Vec<ControlPoint>) -> Subject
             transfer_function: TransferFunction {
                 unit_distance: Some(1.0),
                 points: Some(points),
-                preset: None,
+                ..Default::default()
             },
             march: March::default(),
             lighting: Lighting::default(),

@@ -34,7 +34,7 @@ pub enum Camera {
         /// Height of the picture, mm, > 0.
         height: f64,
     },
-    /// Frames what the transfer function shows of the volume, upright in LPS (superior is up).
+    /// Frames the volume, upright in LPS (superior is up).
     Auto {
         /// Turn about the vertical, degrees; 0 looks from anterior to posterior, positive from the patient's left. Default 30.
         #[serde(default = "default_azimuth")]
@@ -42,10 +42,24 @@ pub enum Camera {
         /// Height above the horizon, degrees, -90 to 90. Default 20.
         #[serde(default = "default_elevation")]
         elevation: f64,
-        /// Magnification, > 0; at 1 all of it is in the picture. Default 1.
+        /// Magnification, > 0; at 1 all of what is framed is in the picture. Default 1.
         #[serde(default = "default_zoom")]
         zoom: f64,
+        /// What is framed. Default "volume"; "visible" for volumes without a scene.
+        #[serde(default)]
+        frame: Framed,
     },
+}
+
+/// What the automatic camera frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Framed {
+    /// The bounding sphere of the whole volume, whatever can be seen of it.
+    #[default]
+    Volume,
+    /// What the transfer function shows, tightly. The picture moves when that changes.
+    Visible,
 }
 
 fn default_azimuth() -> f64 {
@@ -64,6 +78,7 @@ impl Default for Camera {
             azimuth: default_azimuth(),
             elevation: default_elevation(),
             zoom: default_zoom(),
+            frame: Framed::default(),
         }
     }
 }
@@ -114,6 +129,7 @@ impl Camera {
                 azimuth,
                 elevation,
                 zoom,
+                frame: _,
             } => {
                 require(
                     finite(azimuth),
@@ -133,7 +149,7 @@ impl Camera {
     }
 
     /// The view of a picture of `size` pixels. Only the automatic camera looks at the volume and at `size`; it frames
-    /// the whole volume from any side. [`super::Scene::view`] frames what can be seen.
+    /// the whole volume. [`super::Scene::view`] frames what can be seen, where that is asked for.
     ///
     /// # Errors
     /// As [`Camera::validate`].
@@ -159,6 +175,7 @@ impl Camera {
                 azimuth,
                 elevation,
                 zoom,
+                frame: _,
             } => Ok(frame(volume, size, azimuth, elevation, zoom)),
         }
     }

@@ -74,7 +74,11 @@ impl FirstPicture {
         }
         let interpolation = if is_labels { "nearest" } else { "linear" };
         let chosen = json!({
-            "camera": { "type": "auto", "elevation": elevation(&visible) },
+            "camera": {
+                "type": "auto",
+                "elevation": elevation(&visible),
+                "frame": "visible",
+            },
             "march": { "interpolation": interpolation },
             "ambient_occlusion": {
                 "rays": light.rays,

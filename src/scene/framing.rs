@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::camera::{AUTO_FOV_Y, Projection, View, auto_axes};
-use super::{Camera, Curve, Scene};
+use super::{Camera, Curve, Framed, Scene};
 use crate::error::Result;
 use crate::volume::{Volume, Voxels};
 
@@ -120,8 +120,8 @@ impl Visible {
 }
 
 impl Scene {
-    /// The view of the scene's picture. The automatic camera frames what `curve` shows of `volume`, or all of it where
-    /// that is nothing.
+    /// The view of the scene's picture. [`Framed::Visible`] frames what `curve` shows of `volume`, or all of it where that
+    /// is nothing.
     ///
     /// # Errors
     /// As [`Camera::validate`].
@@ -131,6 +131,7 @@ impl Scene {
             azimuth,
             elevation,
             zoom,
+            frame: Framed::Visible,
         } = self.camera
         else {
             return Ok(whole);

@@ -24,7 +24,7 @@ mod transfer_function;
 mod validate;
 
 pub use ambient_occlusion::AmbientOcclusion;
-pub use camera::{Camera, Projection, View};
+pub use camera::{Camera, Framed, Projection, View};
 pub use color::{ColorManagement, linear_from_srgb, srgb_from_linear};
 pub use content::{Guess, Modality};
 pub use directions::{DirectionSet, directions};

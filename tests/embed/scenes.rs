@@ -113,6 +113,7 @@ pub(crate) fn spheres() -> Subject {
         azimuth: 25.0,
         elevation: 15.0,
         zoom: 1.2,
+        frame: Default::default(),
     };
     subject(volume, camera, rise(40.0, 200.0, 0.5))
 }

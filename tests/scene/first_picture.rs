@@ -184,3 +184,20 @@ fn labels_are_not_interpolated() {
     assert_eq!(picture.scene.march.interpolation, Interpolation::Nearest);
     assert_eq!(picture.scene.storage.data_reduction, 1.0);
 }
+
+#[test]
+fn scenes_frame_the_whole_volume_unless_told() {
+    let (low, high) = ([40, 5, 22], [52, 14, 33]);
+    let volume = box_in_the_dark(low, high);
+    let mut scene = first(&volume, &[]).scene;
+    let curve = scene
+        .transfer_function
+        .curve(&volume, ColorManagement::Linear)
+        .unwrap();
+    let visible = scene.view(&volume, &curve).unwrap();
+    scene.camera = Camera::default();
+    let whole = scene.view(&volume, &curve).unwrap();
+    assert_eq!(whole, scene.camera.view(&volume, scene.image.size).unwrap());
+    let middle = corners(&volume, low, high).iter().sum::<DVec3>() / 8.0;
+    assert!(visible.eye.distance(middle) < 0.5 * whole.eye.distance(middle));
+}

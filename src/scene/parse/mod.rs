@@ -98,7 +98,7 @@ impl Scene {
         if overrides.iter().any(|one| one.is_at(&["camera", "type"])) {
             parts["camera"] = json!({});
         } else if parts["camera"].is_null() {
-            parts["camera"] = json!({ "type": "auto" });
+            parts["camera"] = json!({ "type": "auto", "frame": "visible" });
         }
         let mut scene = Self::from_value(parts, overrides)?;
         if scene.volume.path.as_os_str() == name.as_ref() {

@@ -65,7 +65,10 @@ fn run() -> Result<()> {
             }
             Err(error) if error.is_bad_input() => {
                 eprintln!("not drawn: {error}");
-                entries.push(Err((list::name_of(&path), error.to_string())));
+                let reason = error.to_string();
+                let file = format!("{}: ", path.display());
+                let reason = reason.strip_prefix(&file).unwrap_or(&reason).to_owned();
+                entries.push(Err((list::name_of(&path), reason)));
             }
             Err(error) => return Err(error),
         }

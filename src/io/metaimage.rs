@@ -16,7 +16,7 @@ use super::source::{self, Source};
 use super::{Format, ReadOptions, detached, text};
 use crate::error::{Error, Result};
 use crate::scene::Endian;
-use crate::volume::{Rescale, Volume};
+use crate::volume::{Content, Metadata, Rescale, Volume};
 
 pub(super) const FORMAT: Format = Format {
     name: "MetaImage",
@@ -39,6 +39,13 @@ const TYPES: &[(&str, Element)] = &[
     ("MET_LONG_LONG", Element::I64),
     ("MET_FLOAT", Element::F32),
     ("MET_DOUBLE", Element::F64),
+];
+
+const MODALITIES: &[(&str, Content)] = &[
+    ("MET_MOD_CT", Content::Ct),
+    ("MET_MOD_MR", Content::Mr),
+    ("MET_MOD_NM", Content::Nuclear),
+    ("MET_MOD_US", Content::Ultrasound),
 ];
 
 const BOOLEANS: &[(&str, bool)] = &[
@@ -197,7 +204,11 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
         skip: 0,
     };
     let voxels = payload.decode(source, options)?;
-    grid::volume(path, voxels, grid, world_from_ix, rescale)
+    let volume = grid::volume(path, voxels, grid, world_from_ix, rescale)?;
+    let modality = header.get("Modality").unwrap_or_default();
+    let oriented = header.get("AnatomicalOrientation").is_some();
+    let metadata = Metadata::stated("MetaImage Modality", modality, MODALITIES);
+    Ok(volume.with_metadata(metadata.with_patient_axes(oriented)))
 }
 
 fn coding(header: &Header) -> Result<Coding> {

@@ -9,11 +9,14 @@ pub mod bricks;
 pub mod cells;
 mod filter;
 pub mod layout;
+mod metadata;
 pub mod select;
 pub mod statistics;
 mod summary;
 mod texel;
+mod thin;
 
+pub use metadata::{Content, Metadata};
 pub use summary::{HISTOGRAM_BINS, Histogram, Percentiles, Summary};
 
 use glam::{DAffine3, DVec3};
@@ -154,6 +157,7 @@ pub struct Volume {
     stored_range: [f64; 2],
     /// Voxels that were NaN or infinite and were set to the smallest finite value.
     non_finite: u64,
+    metadata: Metadata,
 }
 
 impl Volume {
@@ -219,6 +223,7 @@ impl Volume {
             rescale,
             stored_range,
             non_finite,
+            metadata: Metadata::default(),
         })
     }
 
@@ -233,6 +238,16 @@ impl Volume {
             DAffine3::from_scale(DVec3::from_array(spacing)),
             Rescale::default(),
         )
+    }
+
+    /// The same volume, with what its file says of it.
+    pub fn with_metadata(self, metadata: Metadata) -> Self {
+        Self { metadata, ..self }
+    }
+
+    /// What its file says of it; nothing by default.
+    pub fn metadata(&self) -> &Metadata {
+        &self.metadata
     }
 
     /// Voxels as stored, x fastest.

@@ -7,6 +7,7 @@ use std::process::{Command, Stdio};
 
 use serde_json::{Value, json};
 
+mod transfer;
 mod workplace;
 
 use workplace::Workplace;
@@ -16,7 +17,9 @@ fn help_and_version_are_results() {
     let place = Workplace::new();
     assert!(place.succeed(&["--version"]).starts_with("umbravox "));
     let help = place.succeed(&["--help"]);
-    for command in ["render", "info", "light", "bench", "devices", "schema"] {
+    for command in [
+        "render", "info", "tf", "light", "bench", "devices", "schema",
+    ] {
         assert!(help.contains(&format!("\n  {command}")), "{help}");
     }
 }
@@ -289,10 +292,10 @@ fn assert_stats(stats: &Value) {
 }
 
 /// Size of a picture, and whether its middle shows the ball and its corner the background.
-fn assert_shows_ball(path: &Path, size: [u32; 2]) {
+fn assert_shows_ball(path: &Path, size: [u32; 2], background: [u8; 3]) {
     let picture = image::open(path).unwrap().to_rgb8();
     assert_eq!(picture.dimensions(), size.into());
-    assert_eq!(picture.get_pixel(0, 0).0, [0, 0, 0]);
+    assert_eq!(picture.get_pixel(0, 0).0, background);
     let middle = picture.get_pixel(size[0] / 2, size[1] / 2).0;
     assert!(middle.iter().all(|&c| c > 30), "{middle:?}");
 }
@@ -322,7 +325,7 @@ fn scenes_render_to_every_output_at_once() {
             "stats.json"
         ]
     );
-    assert_shows_ball(&place.path("a.png"), [24, 16]);
+    assert_shows_ball(&place.path("a.png"), [24, 16], [0; 3]);
     assert!(
         fs::read(place.path("b.exr"))
             .unwrap()
@@ -345,7 +348,7 @@ fn volumes_render_without_a_scene() {
         "image.size=[24,16]",
     ];
     place.succeed(&args);
-    assert_shows_ball(&place.path("a.png"), [24, 16]);
+    assert_shows_ball(&place.path("a.png"), [24, 16], [23, 26, 31]);
 }
 
 #[test]

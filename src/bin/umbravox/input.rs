@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use umbravox::io::{self, ReadOptions};
 use umbravox::output;
-use umbravox::scene::{self, Override, Scene};
+use umbravox::scene::{self, FirstPicture, Guess, Override, Scene};
 use umbravox::volume::Volume;
 use umbravox::{Error, Result};
 
@@ -14,16 +14,37 @@ use crate::args::InputArgs;
 
 /// The scene named on the command line, or the one that suits the volume named there.
 pub(crate) fn read_scene(args: &InputArgs) -> Result<Scene> {
-    let overrides = args
-        .overrides
-        .iter()
-        .map(|text| Override::parse(text))
-        .collect::<Result<Vec<_>>>()?;
+    let overrides = overrides(args)?;
     if scene::is_scene_file(&args.path)? {
         Scene::read(&args.path, &overrides)
     } else {
         Scene::for_volume(&args.path, &overrides)
     }
+}
+
+/// A scene and its volume. For a volume named on the command line the scene is one that suits it; what was reduced for
+/// that is said on stderr.
+pub(crate) fn load(args: &InputArgs, scene: Scene) -> Result<(Scene, Arc<Volume>)> {
+    let volume = read_volume(&scene)?;
+    if scene::is_scene_file(&args.path)? {
+        return Ok((scene, volume));
+    }
+    let first = FirstPicture::of(&args.path, volume, &overrides(args)?)?;
+    for notice in &first.notices {
+        tracing::warn!("{notice}");
+    }
+    let Guess {
+        modality,
+        reason,
+        preset,
+    } = &first.guess;
+    tracing::info!("taken for {modality:?} ({reason}): transfer function {preset}");
+    Ok((first.scene, first.volume))
+}
+
+fn overrides(args: &InputArgs) -> Result<Vec<Override>> {
+    let parse = |text: &String| Override::parse(text);
+    args.overrides.iter().map(parse).collect()
 }
 
 /// The volume of a scene.
@@ -38,21 +59,28 @@ const HEADER_BYTES: u64 = 64 << 10;
 /// way of writing it.
 pub(crate) fn check_output(output: &Path, args: &InputArgs, scene: &Scene) -> Result<PathBuf> {
     output::check_place(output)?;
-    let is_input = [&args.path, &scene.volume.path]
-        .into_iter()
-        .any(|input| is_read(input, output));
-    if is_input {
-        return Err(Error::invalid(
-            output.display().to_string(),
-            "is also an input; give another file",
-        ));
-    }
+    let inputs = [args.path.as_path(), scene.volume.path.as_path()];
+    check_no_input(output, inputs.into_iter())?;
     let folder = match output.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
     let folder = folder.canonicalize().map_err(|e| Error::io(folder, e))?;
     Ok(folder.join(output.file_name().unwrap_or_default()))
+}
+
+/// Checks that nothing is read from `output`.
+pub(crate) fn check_no_input<'a>(
+    output: &Path,
+    mut inputs: impl Iterator<Item = &'a Path>,
+) -> Result<()> {
+    if inputs.any(|input| is_read(input, output)) {
+        return Err(Error::invalid(
+            output.display().to_string(),
+            "is also an input; give another file",
+        ));
+    }
+    Ok(())
 }
 
 /// True when reading `input` may read an existing file at `output`: the file itself, one in the folder, the other half of an Analyze pair, or a data

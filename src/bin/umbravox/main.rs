@@ -12,6 +12,7 @@ mod progress;
 mod render;
 mod series;
 mod terminal;
+mod tf;
 
 use std::process::ExitCode;
 
@@ -34,6 +35,7 @@ fn main() -> ExitCode {
         Command::Info(args) => info::run(args),
         Command::Probe(args) => probe::run(args),
         Command::Formats(args) => formats::run(args),
+        Command::Tf(command) => tf::run(command),
         Command::Light(args) => light::run(args),
         Command::Bench(args) => bench::run(args),
         Command::Devices(args) => devices::run(args),

@@ -25,7 +25,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
         }
         places.push(place);
     }
-    let volume = input::read_volume(&scene)?;
+    let (scene, volume) = input::load(&args.input, scene)?;
     let headless = Headless::new(&args.device.options())?;
     let mut session = headless.load(volume, &scene)?;
     outputs.render(&mut session, &scene)?;

@@ -21,6 +21,7 @@ const MAX_FRAMES: u64 = 1 << 20;
 pub(super) const PIXEL_DATA: Tag = Tag(0x7FE0, 0x0010);
 const SERIES_INSTANCE_UID: Tag = Tag(0x0020, 0x000E);
 const SERIES_NUMBER: Tag = Tag(0x0020, 0x0011);
+const MODALITY: Tag = Tag(0x0008, 0x0060);
 const SERIES_DESCRIPTION: Tag = Tag(0x0008, 0x103E);
 const SOP_INSTANCE_UID: Tag = Tag(0x0008, 0x0018);
 const INSTANCE_NUMBER: Tag = Tag(0x0020, 0x0013);
@@ -61,6 +62,7 @@ pub(super) struct Frame {
     pub(super) series_uid: String,
     pub(super) series_number: Option<String>,
     pub(super) series_description: Option<String>,
+    pub(super) modality: Option<String>,
     pub(super) instance_uid: Option<String>,
     /// Orders frames of one place: time, acquisition, instance.
     pub(super) order: [f64; 3],
@@ -174,6 +176,7 @@ fn frame(
         index: index as u32,
         series_uid: attributes.text(SERIES_INSTANCE_UID).unwrap_or_default(),
         series_number: attributes.text(SERIES_NUMBER).map(|t| quoted(&t)),
+        modality: attributes.text(MODALITY),
         series_description: attributes.text(SERIES_DESCRIPTION).map(|t| quoted(&t)),
         instance_uid: attributes.text(SOP_INSTANCE_UID),
         order: [

@@ -24,7 +24,7 @@ use super::grid::{self, Grid};
 use super::source::bad;
 use super::{Format, ReadOptions};
 use crate::error::Result;
-use crate::volume::Volume;
+use crate::volume::{Content, Metadata, Volume};
 
 pub(super) const FORMAT: Format = Format {
     name: "DICOM",
@@ -125,6 +125,8 @@ fn read(bundle: &Bundle, series: Series, options: &ReadOptions<'_>) -> Result<Vo
     let Some(first) = stack.frames.first() else {
         return Err(bad(path, "the series holds no picture".into()));
     };
+    let modality = first.modality.as_deref().unwrap_or_default();
+    let metadata = Metadata::stated("DICOM Modality", modality, MODALITIES).with_patient_axes(true);
     let encoding = pixels::Encoding::common(path, &stack.frames)?;
     let axes = [first.columns, first.rows, stack.frames.len() as u64];
     let grid = Grid::of_one(
@@ -138,7 +140,8 @@ fn read(bundle: &Bundle, series: Series, options: &ReadOptions<'_>) -> Result<Vo
     let world_from_ix = grid::placement(path, keys, stack.steps_ws, stack.origin_ws)?;
     let voxels = pixels::decode(bundle, &stack.frames, &encoding, grid, options)?;
     let Some(positions) = &stack.uneven else {
-        return grid::volume(path, voxels, grid, world_from_ix, encoding.rescale);
+        let volume = grid::volume(path, voxels, grid, world_from_ix, encoding.rescale)?;
+        return Ok(volume.with_metadata(metadata));
     };
     let (voxels, slices) =
         resample::onto_even_slices(path, voxels, grid, positions, &options.limits)?;
@@ -150,8 +153,21 @@ fn read(bundle: &Bundle, series: Series, options: &ReadOptions<'_>) -> Result<Vo
         encoding.element,
         &options.limits,
     )?;
-    grid::volume(path, voxels, grid, world_from_ix, encoding.rescale)
+    let volume = grid::volume(path, voxels, grid, world_from_ix, encoding.rescale)?;
+    Ok(volume.with_metadata(metadata))
 }
+
+/// Defined terms of `Modality` (PS3.3, C.7.3.1.1.1).
+const MODALITIES: &[(&str, Content)] = &[
+    ("CT", Content::Ct),
+    ("MR", Content::Mr),
+    ("PT", Content::Nuclear),
+    ("NM", Content::Nuclear),
+    ("US", Content::Ultrasound),
+    ("SM", Content::Microscopy),
+    ("GM", Content::Microscopy),
+    ("SEG", Content::Labels),
+];
 
 /// Longest text of a file that a message quotes.
 fn quoted(text: &str) -> String {

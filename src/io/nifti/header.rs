@@ -45,6 +45,8 @@ struct Offsets {
     qoffset: usize,
     srow: usize,
     xyzt_units: usize,
+    intent_code: usize,
+    descrip: usize,
 }
 
 const NIFTI1: Offsets = Offsets {
@@ -60,6 +62,8 @@ const NIFTI1: Offsets = Offsets {
     qoffset: 268,
     srow: 280,
     xyzt_units: 123,
+    intent_code: 68,
+    descrip: 148,
 };
 
 const NIFTI2: Offsets = Offsets {
@@ -75,6 +79,8 @@ const NIFTI2: Offsets = Offsets {
     qoffset: 376,
     srow: 400,
     xyzt_units: 500,
+    intent_code: 504,
+    descrip: 240,
 };
 
 /// A header whose size and magic are right.
@@ -229,11 +235,29 @@ impl Header {
     /// `qform_code`, `sform_code`.
     pub(super) fn form_codes(&self) -> (i32, i32) {
         let at = self.offsets();
-        let code = |offset| match self.version {
+        (self.code(at.qform_code), self.code(at.sform_code))
+    }
+
+    /// `intent_code`.
+    pub(super) fn intent_code(&self) -> i32 {
+        self.code(self.offsets().intent_code)
+    }
+
+    /// `descrip`, up to its first zero byte.
+    pub(super) fn description(&self) -> String {
+        const LENGTH: usize = 80;
+        let from = self.bytes.get(self.offsets().descrip..);
+        let field = from.and_then(|b| b.first_chunk::<LENGTH>());
+        let text = field.and_then(|b| b.split(|&b| b == 0).next());
+        String::from_utf8_lossy(text.unwrap_or_default()).into_owned()
+    }
+
+    /// A code of 16 bits in version 1, of 32 in version 2.
+    fn code(&self, offset: usize) -> i32 {
+        match self.version {
             Version::One => self.i16_at(offset).into(),
             Version::Two => i32::from_ne_bytes(self.field(offset)),
-        };
-        (code(at.qform_code), code(at.sform_code))
+        }
     }
 
     /// `pixdim[0]`, the sign of the third axis of the quaternion's frame.

@@ -15,7 +15,7 @@ use super::payload::{Coding, Payload};
 use super::source::{self, GZIP_MAGIC, Source, gunzipped_head};
 use super::{Format, HEAD_BYTES, ReadOptions};
 use crate::error::{Error, Result};
-use crate::volume::{Rescale, Volume};
+use crate::volume::{Content, Metadata, Rescale, Volume};
 
 pub(super) const FORMAT: Format = Format {
     name: "NIfTI",
@@ -65,7 +65,21 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
         skip,
     };
     let voxels = payload.decode(source, options)?;
-    grid::volume(path, voxels, grid, world_from_ix, rescale)
+    let volume = grid::volume(path, voxels, grid, world_from_ix, rescale)?;
+    Ok(volume.with_metadata(metadata(&header)))
+}
+
+/// `intent_code` names labels (`NIFTI_INTENT_LABEL`, `NIFTI_INTENT_NEURONAME`); an echo time in `descrip`, as dcm2niix
+/// writes it, is one of magnetic resonance.
+fn metadata(header: &Header) -> Metadata {
+    let intent = header.intent_code().to_string();
+    let intents = &[("1002", Content::Labels), ("1005", Content::Labels)];
+    let mut metadata = Metadata::stated("NIfTI intent_code", &intent, intents);
+    if metadata.content.is_none() && header.description().starts_with("TE=") {
+        metadata = Metadata::stated("NIfTI descrip", "TE=", &[("TE=", Content::Mr)]);
+    }
+    let (qform, sform) = header.form_codes();
+    metadata.with_patient_axes(qform > 0 || sform > 0)
 }
 
 /// `scl_slope` 0, or not a number, means that there is no scaling.

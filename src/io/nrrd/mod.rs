@@ -136,7 +136,8 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
         skip,
     };
     let voxels = payload.decode(source, options)?;
-    grid::volume(path, voxels, grid, world_from_ix, Rescale::default())
+    let volume = grid::volume(path, voxels, grid, world_from_ix, Rescale::default())?;
+    Ok(volume.with_metadata(header.metadata()))
 }
 
 /// Applies `line skip` to the file as it is. `byte skip` comes after that and, in compressed data, counts

@@ -40,6 +40,8 @@ pub(super) struct Layout {
     pages_per_slice: usize,
     /// Millimetres, when the description says it.
     pub(super) spacing: Option<[f64; 3]>,
+    /// The description is OME-XML, which microscopes write.
+    pub(super) is_ome: bool,
 }
 
 impl Layout {
@@ -124,6 +126,7 @@ impl Layout {
             first_page,
             pages_per_slice,
             spacing,
+            is_ome: ome_pixels(text).is_some(),
         })
     }
 

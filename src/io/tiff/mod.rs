@@ -23,7 +23,7 @@ use super::slices::{Picture, check_claim, stack};
 use super::source::bad;
 use super::{Format, Limits, ReadOptions, grid};
 use crate::error::{Error, Result};
-use crate::volume::{Rescale, Volume, Voxels};
+use crate::volume::{Content, Metadata, Rescale, Volume, Voxels};
 
 pub(super) const FORMAT: Format = Format {
     name: "TIFF",
@@ -120,7 +120,14 @@ fn read_pages(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
     let [x, y, z] = DVec3::AXES;
     let steps = [x * spacing.x, y * spacing.y, z * spacing.z];
     let world_from_ix = grid::placement(path, "spacing", steps, DVec3::ZERO)?;
-    grid::volume(path, voxels, grid, world_from_ix, Rescale::default())
+    let volume = grid::volume(path, voxels, grid, world_from_ix, Rescale::default())?;
+    let content = layout
+        .is_ome
+        .then(|| (Content::Microscopy, "OME-XML".into()));
+    Ok(volume.with_metadata(Metadata {
+        content,
+        patient_axes: false,
+    }))
 }
 
 fn read_folder(bundle: &Bundle, options: &ReadOptions<'_>) -> Result<Volume> {

@@ -3,15 +3,15 @@
 //! ZIP (PKWARE, *APPNOTE.TXT*) with stored and deflated members, and POSIX tar, plain, gzip or xz.
 
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, Read, Seek as _};
 use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
 use lzma_rust2::XzReader;
 
-use super::Limits;
 use super::bundle::{Bundle, Member, check_count};
 use super::source::{GZIP_MAGIC, bad, gunzipped_head, read_error};
+use super::{Limits, xz_claims};
 use crate::error::{Error, Result};
 
 /// An archive that unpacks to more than this many times its size, and to more than [`FREE_BYTES`], is a bomb.
@@ -52,7 +52,7 @@ impl Kind {
     pub(super) fn unpack(self, path: &Path, limits: &Limits) -> Result<Bundle> {
         let file = File::open(path).map_err(|e| Error::io(path, e))?;
         let packed = file.metadata().map_err(|e| Error::io(path, e))?.len();
-        let file = BufReader::new(file);
+        let mut file = BufReader::new(file);
         let allowed = packed
             .saturating_mul(MAX_RATIO)
             .max(FREE_BYTES)
@@ -68,7 +68,11 @@ impl Kind {
             Self::Zip => unpacked.zip(file)?,
             Self::Tar => unpacked.tar(file)?,
             Self::TarGz => unpacked.tar(MultiGzDecoder::new(file))?,
-            Self::TarXz => unpacked.tar(XzReader::new(file, true))?,
+            Self::TarXz => {
+                xz_claims::check(path, &mut file)?;
+                file.rewind().map_err(|e| Error::io(path, e))?;
+                unpacked.tar(XzReader::new(file, true))?;
+            }
         }
         Ok(Bundle::new(path, unpacked.members))
     }

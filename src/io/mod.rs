@@ -39,6 +39,8 @@ mod text_data;
 #[cfg(feature = "image-stacks")]
 mod tiff;
 mod vti;
+#[cfg(feature = "archives")]
+mod xz_claims;
 
 use std::path::Path;
 

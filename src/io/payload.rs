@@ -5,6 +5,7 @@ use std::io::{self, Read};
 use std::path::PathBuf;
 
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
+use rayon::prelude::*;
 
 use super::ReadOptions;
 use super::element::{Element, Stored};
@@ -242,7 +243,7 @@ const fn per_chunk<T>() -> usize {
 }
 
 /// Reads until the piece is full or the data ends.
-fn read_full(reader: &mut dyn Read, mut out: &mut [u8]) -> io::Result<usize> {
+pub(super) fn read_full(reader: &mut dyn Read, mut out: &mut [u8]) -> io::Result<usize> {
     let mut total = 0;
     while !out.is_empty() {
         match reader.read(out) {
@@ -256,6 +257,13 @@ fn read_full(reader: &mut dyn Read, mut out: &mut [u8]) -> io::Result<usize> {
         }
     }
     Ok(total)
+}
+
+/// An array of zeros, written by all cores: most of the time goes into the pages that the system gives.
+pub(super) fn zeroed<T: bytemuck::Zeroable + Copy + Send + Sync>(count: usize) -> Result<Vec<T>> {
+    let mut zeros = reserve(count)?;
+    rayon::iter::repeat_n(T::zeroed(), count).collect_into_vec(&mut zeros);
+    Ok(zeros)
 }
 
 /// An empty array with exactly the room that is needed.

@@ -117,18 +117,7 @@ impl Member {
             Data::Bytes(bytes) => return Ok(Cow::Borrowed(bytes)),
             Data::File(path) => path,
         };
-        let io = |e| Error::io(path, e);
-        let file = File::open(path).map_err(io)?;
-        let len = file.metadata().map_err(io)?.len();
-        if len > limits.max_bytes {
-            return Err(bad(
-                path,
-                format!("it has {len} bytes; the limit is {}", limits.max_bytes),
-            ));
-        }
-        let mut bytes = super::payload::reserve(len as usize)?;
-        file.take(len).read_to_end(&mut bytes).map_err(io)?;
-        Ok(Cow::Owned(bytes))
+        Ok(Cow::Owned(whole_file(path, limits)?))
     }
 
     /// Something to read the file from, forward.
@@ -140,6 +129,22 @@ impl Member {
             )),
         })
     }
+}
+
+/// All bytes of a file, if they are no more than a volume may have.
+pub(super) fn whole_file(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
+    let io = |e| Error::io(path, e);
+    let file = File::open(path).map_err(io)?;
+    let len = file.metadata().map_err(io)?.len();
+    if len > limits.max_bytes {
+        return Err(bad(
+            path,
+            format!("it has {len} bytes; the limit is {}", limits.max_bytes),
+        ));
+    }
+    let mut bytes = super::payload::reserve(len as usize)?;
+    file.take(len).read_to_end(&mut bytes).map_err(io)?;
+    Ok(bytes)
 }
 
 fn collect(

@@ -21,6 +21,8 @@ pub const FORMATS: &[Format] = &[
     super::numpy::FORMAT,
     super::fits::FORMAT,
     super::vti::FORMAT,
+    #[cfg(feature = "vdb")]
+    super::vdb::FORMAT,
 ];
 
 /// A kind of file, or of files that make a volume together.

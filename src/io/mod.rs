@@ -7,6 +7,8 @@
 
 #[cfg(feature = "archives")]
 mod archive;
+#[cfg(feature = "blosc")]
+mod blosc;
 #[cfg_attr(
     not(feature = "formats"),
     allow(dead_code, reason = "each reader of several files is a feature")
@@ -38,6 +40,8 @@ mod text;
 mod text_data;
 #[cfg(feature = "image-stacks")]
 mod tiff;
+#[cfg(feature = "vdb")]
+mod vdb;
 mod vti;
 
 use std::path::Path;

@@ -9,7 +9,7 @@ use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 use super::ReadOptions;
 use super::element::{Element, Stored};
 use super::grid::Grid;
-use super::narrow::{Narrowed, Wide};
+use super::narrow::{Narrowed, Wide, not_exact};
 use super::source::{Source, read_error};
 use super::text_data::{AsciiDecoder, HexDecoder};
 use crate::error::{Error, Result};
@@ -171,15 +171,11 @@ impl Stream<'_> {
             chunk.truncate(count - start);
             self.read_chunk(&mut chunk, start)?;
             if let Some(at) = narrowed.extend(&chunk, count)? {
-                let value = chunk.get(at).map(T::to_string).unwrap_or_default();
-                return Err(Error::volume(
+                return Err(not_exact(
                     &self.path,
-                    format!(
-                        "voxel {} of type {} is {value}, which a 32-bit float cannot hold exactly; \
-                         convert the file to u8, i8, u16, i16 or f32",
-                        start + at,
-                        self.element
-                    ),
+                    start + at,
+                    chunk.get(at),
+                    self.element,
                 ));
             }
             start += chunk.len();

@@ -9,6 +9,9 @@ use crate::volume::Volume;
 
 /// Every format that is recognised by content, in the order of asking.
 pub const FORMATS: &[Format] = &[
+    // Known by the names of its files alone; others look into each.
+    #[cfg(feature = "zarr")]
+    super::zarr::FORMAT,
     nrrd::FORMAT,
     nifti::FORMAT,
     metaimage::FORMAT,

@@ -40,9 +40,12 @@ mod text;
 mod text_data;
 #[cfg(feature = "image-stacks")]
 mod tiff;
+mod units;
 #[cfg(feature = "vdb")]
 mod vdb;
 mod vti;
+#[cfg(feature = "zarr")]
+mod zarr;
 
 use std::path::Path;
 
@@ -59,11 +62,14 @@ pub struct ReadOptions<'a> {
     /// What the header would have said. When given, the file is read as headerless, whatever it looks like.
     pub raw: Option<RawDescription>,
     /// Which series of a DICOM folder: its UID, its number, or the start of its description. Default: the largest.
+    /// Which grid of an OpenVDB file: its name. Default: the first.
     pub series: Option<String>,
     /// Which volume of a file that holds several, from 0. Default: the first.
     pub timestep: Option<u32>,
     /// Which component of a voxel that has several, from 0. Default: the first; of colours, luminance.
     pub channel: Option<u32>,
+    /// Which resolution of a file that has several, from 0, the finest. Default: the finest within the limits.
+    pub level: Option<u32>,
     /// Refuse what would have to be resampled or guessed.
     pub strict: bool,
     /// The largest volume that is accepted.
@@ -80,6 +86,7 @@ impl From<&VolumeSource> for ReadOptions<'_> {
             series: source.series.clone(),
             timestep: source.timestep,
             channel: source.channel,
+            level: source.level,
             strict: source.strict,
             ..Self::default()
         }

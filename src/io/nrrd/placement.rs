@@ -4,6 +4,7 @@ use glam::{DAffine3, DVec3};
 
 use super::header::Header;
 use crate::error::Result;
+use crate::io::units::millimetres;
 use crate::io::{grid, text};
 
 /// Signs that turn the axes of a `space` (section 4) into left, posterior, superior. Spaces that are not
@@ -18,28 +19,6 @@ const SPACES: &[(&str, DVec3)] = &[
     ("scanner-xyz", DVec3::ONE),
     ("3D-right-handed", DVec3::ONE),
     ("3D-left-handed", DVec3::ONE),
-];
-
-/// Millimetres in units of length. Other units (pixels, for one) say nothing about size.
-const UNITS: &[(&str, f64)] = &[
-    ("nm", 1e-6),
-    ("nanometer", 1e-6),
-    ("nanometers", 1e-6),
-    ("um", 1e-3),
-    ("µm", 1e-3),
-    ("micron", 1e-3),
-    ("microns", 1e-3),
-    ("micrometer", 1e-3),
-    ("micrometers", 1e-3),
-    ("mm", 1.0),
-    ("millimeter", 1.0),
-    ("millimeters", 1.0),
-    ("cm", 10.0),
-    ("centimeter", 10.0),
-    ("centimeters", 10.0),
-    ("m", 1000.0),
-    ("meter", 1000.0),
-    ("meters", 1000.0),
 ];
 
 /// World (mm, LPS) from voxel index: from `space directions`, else from `spacings`, else from `axis mins` and
@@ -149,8 +128,8 @@ fn unit_scale(header: &Header, key: &str) -> Result<DVec3> {
         )));
     }
     for (scale, name) in scale.iter_mut().zip(quoted) {
-        let known = UNITS.iter().find(|(unit, _)| *unit == name);
-        *scale = known.map_or(1.0, |&(_, mm)| mm);
+        // Other units (pixels, for one) say nothing about size.
+        *scale = millimetres(name).unwrap_or(1.0);
     }
     Ok(DVec3::from_array(scale))
 }

@@ -42,7 +42,7 @@ pub struct Format {
     pub(super) bundle: Option<BundleReader>,
 }
 
-type ReadFile = fn(&Path, &ReadOptions<'_>) -> Result<Volume>;
+pub(super) type ReadFile = fn(&Path, &ReadOptions<'_>) -> Result<Volume>;
 type ReadBundle = fn(&Bundle, &ReadOptions<'_>) -> Result<Volume>;
 
 pub(super) struct FileReader {
@@ -76,6 +76,11 @@ impl Format {
         let reader = self.bundle.as_ref()?;
         (reader.recognise)(bundle).then_some(reader.read)
     }
+}
+
+/// The reader of a file, from its first bytes and its path.
+pub(super) fn file_reader(head: &[u8], path: &Path) -> Option<ReadFile> {
+    FORMATS.iter().find_map(|f| f.file_reader(head, path))
 }
 
 pub(super) fn unrecognised(path: &Path) -> Error {

@@ -14,6 +14,7 @@ mod blosc;
     allow(dead_code, reason = "each reader of several files is a feature")
 )]
 mod bundle;
+mod components;
 mod detached;
 #[cfg(feature = "dicom")]
 mod dicom;
@@ -24,14 +25,19 @@ mod grid;
 #[cfg(feature = "dicom")]
 mod jpeg_size;
 mod metaimage;
+mod named_raw;
 mod narrow;
 mod nifti;
 mod nrrd;
 mod numpy;
+#[cfg(feature = "archives")]
+mod packed;
+mod parts;
 mod payload;
 #[cfg(feature = "image-stacks")]
 mod pictures;
 mod raw;
+mod refused;
 mod reorder;
 #[cfg(feature = "image-stacks")]
 mod slices;
@@ -143,15 +149,42 @@ pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
     if path.is_dir() {
         return read_bundle(&Bundle::folder(path, &options.limits)?, options);
     }
-    let head = source::head(path, HEAD_BYTES)?;
-    if let Some(read) = FORMATS.iter().find_map(|f| f.file_reader(&head, path)) {
-        return read(path, options);
-    }
     #[cfg(feature = "archives")]
-    if let Some(archive) = archive::Kind::of(&head) {
-        return read_bundle(&archive.unpack(path, &options.limits)?, options);
+    {
+        let head = source::head(path, HEAD_BYTES)?;
+        let plain = reader_of(&head, path).is_some();
+        if let Some(archive) = archive::Kind::of(&head).filter(|_| !plain) {
+            let bundle = archive.unpack(path, &options.limits)?;
+            return match FORMATS.iter().find_map(|f| f.bundle_reader(&bundle)) {
+                Some(read) => read(&bundle, options),
+                None => packed::read(&bundle, options),
+            };
+        }
     }
-    Err(formats::unrecognised(path))
+    read_file(path, options)
+}
+
+/// Reads one file that is no archive.
+fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
+    let head = source::head(path, HEAD_BYTES)?;
+    match reader_of(&head, path) {
+        Some(Reader::Format(read)) => read(path, options),
+        Some(Reader::Raw(name)) => named_raw::read(path, &name, options),
+        None => Err(refused::why(path, &head).unwrap_or_else(|| formats::unrecognised(path))),
+    }
+}
+
+/// How a file is read.
+enum Reader {
+    Format(formats::ReadFile),
+    /// Headerless, of a name that says what it is.
+    Raw(named_raw::Name),
+}
+
+/// By content, else by a name that describes it.
+fn reader_of(head: &[u8], path: &Path) -> Option<Reader> {
+    let format = formats::file_reader(head, path).map(Reader::Format);
+    format.or_else(|| named_raw::Name::of(path).map(Reader::Raw))
 }
 
 fn read_bundle(bundle: &Bundle, options: &ReadOptions<'_>) -> Result<Volume> {

@@ -64,41 +64,30 @@ struct Level {
 }
 
 impl Level {
-    /// The level asked for, else the finest that is within the limits.
+    /// The level asked for, else the finest that is within the limits, else the coarsest.
     fn choose(store: &Store<'_>, image: &Multiscale, options: &ReadOptions<'_>) -> Result<Self> {
         let count = image.datasets.len();
-        let one = |i: usize| match image.datasets.get(i) {
-            Some(dataset) => {
-                let array = Array::read(store, &dataset.path)?;
-                let axes = Axes::of(store, &image.axes, array.shape.len())?;
-                let placement = image.placement(store, dataset, &axes, array.shape.len())?;
-                Self::new(store, dataset.path.clone(), array, axes, placement, options)
+        let mut level = options.level.unwrap_or(0) as usize;
+        loop {
+            let dataset = image.datasets.get(level).ok_or_else(|| {
+                store.bad(
+                    "multiscales",
+                    format!("volume.level {level} of {count} levels; the first and finest is 0"),
+                )
+            })?;
+            let array = Array::read(store, &dataset.path)?;
+            let axes = Axes::of(store, &image.axes, array.shape.len())?;
+            let may_be_coarser = options.level.is_none() && level + 1 < count;
+            if may_be_coarser && !axes.fit(&array, &options.limits) {
+                level += 1;
+                continue;
             }
-            None => Err(store.bad(
-                "multiscales",
-                format!("volume.level {i} of {count} levels; the first and finest is 0"),
-            )),
-        };
-        if let Some(asked) = options.level {
-            return one(asked as usize);
+            if count > 1 && options.level.is_none() {
+                tracing::info!("{count} levels, {level} is read; volume.level picks another");
+            }
+            let placement = image.placement(store, dataset, &axes, array.shape.len())?;
+            return Self::new(store, dataset.path.clone(), array, axes, placement, options);
         }
-        let mut level = 0;
-        let mut found = one(level);
-        let finest = found.as_ref().err().map(ToString::to_string);
-        while found.is_err() && level + 1 < count {
-            level += 1;
-            found = one(level);
-        }
-        match finest {
-            // What is wrong with all of them is said of the finest.
-            Some(_) if found.is_err() => return one(0),
-            Some(why) => tracing::warn!("level {level} of {count} is read: {why}"),
-            None => {}
-        }
-        if count > 1 && level == 0 {
-            tracing::info!("{count} levels, the finest is read; volume.level picks another");
-        }
-        found
     }
 
     /// Of an array without an image around it.
@@ -123,9 +112,7 @@ impl Level {
         [step, origin]: [DVec3; 2],
         options: &ReadOptions<'_>,
     ) -> Result<Self> {
-        let sizes = axes
-            .space
-            .map(|axis| array.shape.get(axis).copied().unwrap_or(0));
+        let sizes = axes.sizes(&array);
         let at = store.path(&path);
         let grid = Grid::of_one(&at, "shape", sizes, array.element, &options.limits)?;
         let chunks = axes.space.iter().zip(sizes).map(|(&axis, size)| {

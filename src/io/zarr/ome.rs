@@ -4,10 +4,11 @@ use glam::DVec3;
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::metadata::{Array, volume_of};
 use super::store::Store;
 use crate::error::Result;
-use crate::io::ReadOptions;
 use crate::io::units::millimetres;
+use crate::io::{Limits, ReadOptions};
 
 /// An image in several resolutions, the finest first.
 #[derive(Deserialize)]
@@ -144,6 +145,21 @@ impl Axes {
             unit: DVec3::from_array(unit.map(|mm| mm.unwrap_or(1.0))),
             has_units: unit.iter().all(Option::is_some),
         })
+    }
+}
+
+impl Axes {
+    /// Voxels on x, y and z.
+    pub(super) fn sizes(&self, array: &Array) -> [u64; 3] {
+        let size = |axis| array.shape.get(axis).copied().unwrap_or(0);
+        self.space.map(size)
+    }
+
+    /// Whether a volume of the array is within the limits.
+    pub(super) fn fit(&self, array: &Array, limits: &Limits) -> bool {
+        let voxels = volume_of(&self.sizes(array)).filter(|&n| n <= limits.max_voxels);
+        let bytes = voxels.and_then(|n| n.checked_mul(array.element.bytes()));
+        bytes.is_some_and(|n| n <= limits.max_bytes)
     }
 }
 

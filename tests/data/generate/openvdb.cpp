@@ -1,7 +1,8 @@
 // Writes OpenVDB files into tests/data/formats, and expected_openvdb.json: what OpenVDB itself reads back from them.
 //
-//     apt-get install libopenvdb-dev g++
-//     g++ -O1 tests/data/generate/openvdb.cpp -lopenvdb -ltbb -o /tmp/openvdb && /tmp/openvdb tests/data/formats
+//     apt-get install g++ libopenvdb-dev libboost-dev libboost-iostreams-dev
+//     g++ -O1 tests/data/generate/openvdb.cpp -lopenvdb -ltbb -lImath-3_1 -o /tmp/openvdb && /tmp/openvdb tests/data/formats
+//     gzip -n9 tests/data/formats/none_double.vdb
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetSphere.h>
@@ -76,7 +77,7 @@ template <typename Grid> static typename Grid::Ptr phantom(double least, double 
 
 template <typename Grid> static void one(const std::string &name, uint32_t compression, const Grid &grid) {
     write(name, compression, {grid});
-    expected << "\n\"" << name << "\":[";
+    expected << "\n\"" << name << (compression ? "" : ".gz") << "\":[";
     expect("", *grid);
     expected << "],";
 }
@@ -99,8 +100,9 @@ int main(int, char **arguments) {
     half->setTransform(translated);
     one("zip_half.vdb", zip, half);
 
+    double rows[] = {0, 0.5, 0, 0, -0.75, 0, 0.25, 0, 0, 0, 2, 0, 7, 8, 9, 1};
     auto wide = phantom<DoubleGrid>(-100, 0.5);
-    wide->setTransform(math::Transform::createLinearTransform(Mat4d(0, 0.5, 0, 0, -0.75, 0, 0.25, 0, 0, 0, 2, 0, 7, 8, 9, 1)));
+    wide->setTransform(math::Transform::createLinearTransform(Mat4d(rows)));
     one("none_double.vdb", io::COMPRESS_NONE, wide);
 
     auto whole = phantom<Int32Grid>(-300, 1);

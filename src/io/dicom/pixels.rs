@@ -10,13 +10,17 @@ use rayon::prelude::*;
 
 use super::super::ReadOptions;
 use super::super::bundle::Bundle;
-use super::super::jpeg_size::jpeg_size;
+use super::super::components::{LUMA, Pick};
+use super::super::jpeg_size::claim_of;
 use super::super::payload::reserve;
 use super::super::source::bad;
 use super::frame::{self, Frame, PIXEL_DATA, PixelFormat};
 use super::{Element, Grid};
 use crate::error::{Error, Result};
 use crate::volume::{Rescale, Voxels};
+
+/// Transfer syntax of run lengths (PS3.5, A.4.2).
+const RLE_LOSSLESS: &str = "1.2.840.10008.1.2.5";
 
 /// What the voxels become.
 pub(super) struct Encoding {
@@ -99,10 +103,14 @@ pub(super) fn decode(
     grid: Grid,
     options: &ReadOptions<'_>,
 ) -> Result<Voxels> {
+    let samples = frames
+        .first()
+        .map_or(1, |frame| frame.format.samples as usize);
     let decoder = Decoder {
         bundle,
         frames,
         grid,
+        pick: Pick::of(bundle.path(), samples, samples > 1, options.channel)?,
     };
     let progress = options.progress;
     let whole = |value: i64, _: Rescale| value;
@@ -121,6 +129,7 @@ struct Decoder<'a> {
     bundle: &'a Bundle,
     frames: &'a [Frame],
     grid: Grid,
+    pick: Pick,
 }
 
 impl Decoder<'_> {
@@ -171,9 +180,9 @@ impl Decoder<'_> {
         };
         let path = self.bundle.path_of(member);
         let object = frame::open(&path, member)?;
-        frames
-            .into_par_iter()
-            .try_for_each(|(frame, out)| decode_frame(&path, &object, frame, out, convert))
+        frames.into_par_iter().try_for_each(|(frame, out)| {
+            decode_frame(&path, &object, frame, self.pick, out, convert)
+        })
     }
 }
 
@@ -181,11 +190,13 @@ fn decode_frame<T>(
     path: &Path,
     object: &DefaultDicomObject,
     frame: &Frame,
+    pick: Pick,
     out: &mut [T],
     convert: &impl Fn(i64, Rescale) -> T,
 ) -> Result<()> {
-    let bytes_per_pixel = (frame.format.allocated / 8) as usize;
-    let wanted = out.len() * bytes_per_pixel;
+    let format = frame.format;
+    let [bytes_per_sample, samples] = [format.allocated / 8, format.samples].map(|n| n as usize);
+    let wanted = out.len() * bytes_per_sample * samples;
     let element = object
         .get(PIXEL_DATA)
         .ok_or_else(|| bad(path, "PixelData is missing".into()))?;
@@ -221,12 +232,48 @@ fn decode_frame<T>(
             ),
         ));
     };
-    for (out, bytes) in out.iter_mut().zip(pixels.chunks_exact(bytes_per_pixel)) {
+    let value = |bytes: &[u8]| {
         let bits = bytes
             .iter()
             .rev()
             .fold(0u32, |bits, &byte| bits << 8 | u32::from(byte));
-        *out = convert(frame.format.value(bits), frame.rescale);
+        format.value(bits)
+    };
+    if samples == 1 {
+        for (out, bytes) in out.iter_mut().zip(pixels.chunks_exact(bytes_per_sample)) {
+            *out = convert(value(bytes), frame.rescale);
+        }
+        return Ok(());
+    }
+    let coded = element.fragments().is_some();
+    // Pixels between one sample of a kind and the next, and between one kind and the next.
+    let [step, plane] = if format.planar && !coded {
+        [1, out.len()]
+    } else {
+        [samples, 1]
+    };
+    let sample = |pixel: usize, kind: usize| {
+        let at = (pixel * step + kind * plane) * bytes_per_sample;
+        value(pixels.get(at..at + bytes_per_sample).unwrap_or_default())
+    };
+    // JPEG and JPEG 2000 decoders give red, green and blue.
+    let run_length = object.meta().transfer_syntax() == RLE_LOSSLESS;
+    let pick = match pick {
+        Pick::Luma if format.brightness_first && (!coded || run_length) => Pick::Component(0),
+        other => other,
+    };
+    for (i, out) in out.iter_mut().enumerate() {
+        let value = match pick {
+            Pick::Component(kind) => sample(i, kind),
+            Pick::Luma => {
+                let shares = LUMA.iter().enumerate();
+                let luma: f32 = shares
+                    .map(|(kind, share)| share * sample(i, kind) as f32)
+                    .sum();
+                luma.round() as i64
+            }
+        };
+        *out = convert(value, frame.rescale);
     }
     Ok(())
 }
@@ -236,12 +283,13 @@ fn check_jpeg_sizes(path: &Path, fragments: &[Vec<u8>], frame: &Frame) -> Result
     if fragments.is_empty() {
         return Err(bad(path, "PixelData holds no fragment".into()));
     }
-    for size in fragments.iter().filter_map(|f| jpeg_size(f)) {
-        if size.map(u64::from) != [frame.columns, frame.rows] {
+    let samples = frame.format.samples;
+    for (size, components) in fragments.iter().filter_map(|f| claim_of(f)) {
+        if size.map(u64::from) != [frame.columns, frame.rows] || components > samples {
             return Err(bad(
                 path,
                 format!(
-                    "a coded picture has {size:?} pixels; Columns and Rows say {} x {}",
+                    "a coded picture has {size:?} pixels of {components} samples; the header says {} x {} of {samples}",
                     frame.columns, frame.rows
                 ),
             ));

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::fs::File;
-use std::io::{Cursor, Read, Seek, SeekFrom};
+use std::io::{Read, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::Limits;
@@ -117,24 +117,13 @@ impl Member {
             Data::Bytes(bytes) => return Ok(Cow::Borrowed(bytes)),
             Data::File(path) => path,
         };
-        let io = |e| Error::io(path, e);
-        let file = File::open(path).map_err(io)?;
-        let len = file.metadata().map_err(io)?.len();
-        if len > limits.max_bytes {
-            return Err(bad(
-                path,
-                format!("it has {len} bytes; the limit is {}", limits.max_bytes),
-            ));
-        }
-        let mut bytes = super::payload::reserve(len as usize)?;
-        file.take(len).read_to_end(&mut bytes).map_err(io)?;
-        Ok(Cow::Owned(bytes))
+        Ok(Cow::Owned(whole_file(path, limits)?))
     }
 
-    /// Something to read the file from.
-    pub(super) fn open(&self) -> Result<Box<dyn ReadSeek + '_>> {
+    /// Something to read the file from, forward.
+    pub(super) fn open(&self) -> Result<Box<dyn Read + '_>> {
         Ok(match &self.data {
-            Data::Bytes(bytes) => Box::new(Cursor::new(bytes.as_slice())),
+            Data::Bytes(bytes) => Box::new(bytes.as_slice()),
             Data::File(path) => Box::new(std::io::BufReader::new(
                 File::open(path).map_err(|e| Error::io(path, e))?,
             )),
@@ -165,9 +154,21 @@ impl Member {
     }
 }
 
-/// What a parser needs that skips values.
-pub(super) trait ReadSeek: Read + Seek {}
-impl<T: Read + Seek> ReadSeek for T {}
+/// All bytes of a file, if they are no more than a volume may have.
+pub(super) fn whole_file(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
+    let io = |e| Error::io(path, e);
+    let file = File::open(path).map_err(io)?;
+    let len = file.metadata().map_err(io)?.len();
+    if len > limits.max_bytes {
+        return Err(bad(
+            path,
+            format!("it has {len} bytes; the limit is {}", limits.max_bytes),
+        ));
+    }
+    let mut bytes = super::payload::reserve(len as usize)?;
+    file.take(len).read_to_end(&mut bytes).map_err(io)?;
+    Ok(bytes)
+}
 
 fn collect(
     folder: &Path,

@@ -1,4 +1,4 @@
-//! Files that other libraries wrote, see `tests/data/generate/volumes.py`: every voxel, and where it lies.
+//! Files that other libraries wrote, see `tests/data/generate`: every voxel, and where it lies.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -15,8 +15,17 @@ fn folder() -> PathBuf {
 }
 
 fn expected() -> BTreeMap<String, Vec<Value>> {
-    let text = std::fs::read_to_string(folder().join("expected.json")).unwrap();
-    serde_json::from_str(&text).unwrap()
+    let files = std::fs::read_dir(folder())
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    let lists = files.filter(|path| path.extension().is_some_and(|e| e == "json"));
+    let mut all = BTreeMap::new();
+    for list in lists {
+        let text = std::fs::read_to_string(list).unwrap();
+        let list: BTreeMap<String, Vec<Value>> = serde_json::from_str(&text).unwrap();
+        all.extend(list);
+    }
+    all
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
@@ -34,6 +43,8 @@ fn options(case: &Value) -> ReadOptions<'static> {
     let source = VolumeSource {
         timestep: key("timestep"),
         channel: key("channel"),
+        level: key("level"),
+        series: case.get("series").map(|v| v.as_str().unwrap().to_owned()),
         ..VolumeSource::default()
     };
     ReadOptions::from(&source)
@@ -42,7 +53,7 @@ fn options(case: &Value) -> ReadOptions<'static> {
 #[test]
 fn every_voxel_and_its_place() {
     let all = expected();
-    assert!(all.len() >= 25, "{} files", all.len());
+    assert!(all.len() >= 60, "{} files", all.len());
     for (name, cases) in all {
         for case in cases {
             let path = folder().join(&name);

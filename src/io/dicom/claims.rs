@@ -18,6 +18,7 @@ use super::super::bundle::Member;
 use super::super::source::{bad, read_error};
 use super::PREAMBLE;
 use super::frame::{PIXEL_DATA, chain};
+use super::prefix;
 use crate::error::Result;
 
 /// Sequences inside sequences. Structured reports, the deepest objects there are, stay below 20.
@@ -67,9 +68,15 @@ pub(super) fn check(
 ) -> Result<Option<NativePixels>> {
     let damaged = |what: String| bad(path, format!("the DICOM object is damaged: {what}"));
     let len = member.len();
-    check_meta(&member.head(MAX_META_BYTES), len).map_err(damaged)?;
+    let mut head = Vec::new();
+    let mut start = prefix::open(member)?.take(MAX_META_BYTES as u64);
+    start
+        .read_to_end(&mut head)
+        .map_err(|e| read_error(path, e))?;
+    check_meta(&head, len).map_err(damaged)?;
 
-    let mut stream = member.open()?;
+    let mut stream = prefix::open(member)?;
+    let missing = stream.missing();
     let preamble = PREAMBLE.0 as u64;
     io::copy(&mut stream.by_ref().take(preamble), &mut io::sink())
         .map_err(|e| read_error(path, e))?;
@@ -96,10 +103,13 @@ pub(super) fn check(
     Ok(look
         .pixels
         .zip(endian)
-        .map(|((offset, bytes), &(_, big_endian))| NativePixels {
-            offset,
-            bytes: bytes.min(len.saturating_sub(offset)),
-            big_endian,
+        .map(|((position, bytes), &(_, big_endian))| {
+            let offset = position.saturating_sub(missing);
+            NativePixels {
+                offset,
+                bytes: bytes.min(len.saturating_sub(offset)),
+                big_endian,
+            }
         }))
 }
 

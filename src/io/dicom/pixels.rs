@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 
 use bytemuck::Pod;
 use dicom_object::DefaultDicomObject;
@@ -10,15 +10,20 @@ use dicom_pixeldata::PixelDecoder;
 use rayon::prelude::*;
 
 use super::super::bundle::{Bundle, Member};
-use super::super::jpeg_size::jpeg_size;
+use super::super::components::{LUMA, Pick};
+use super::super::jpeg_size::claim_of;
 use super::super::payload::zeroed;
 use super::super::source::bad;
+use super::super::watched::watched;
 use super::super::{Limits, ReadOptions};
 use super::claims::NativePixels;
 use super::frame::{self, Frame, PIXEL_DATA, PixelFormat};
 use super::{Element, Grid};
 use crate::error::{Error, Result};
 use crate::volume::{Rescale, Voxels};
+
+/// Transfer syntax of run lengths (PS3.5, A.4.2).
+const RLE_LOSSLESS: &str = "1.2.840.10008.1.2.5";
 
 /// What the voxels become.
 pub(super) struct Encoding {
@@ -112,12 +117,16 @@ pub(super) fn decode(
     grid: Grid,
     options: &ReadOptions<'_>,
 ) -> Result<Voxels> {
+    let samples = frames
+        .first()
+        .map_or(1, |frame| frame.format.samples as usize);
     let decoder = Decoder {
         bundle,
         frames,
         grid,
         limits: options.limits,
         as_stored: !encoding.apply,
+        pick: Pick::of(bundle.path(), samples, samples > 1, options.channel)?,
     };
     let progress = options.progress;
     let whole = |value: i64, _: Rescale| value;
@@ -139,12 +148,13 @@ struct Decoder<'a> {
     limits: Limits,
     /// Voxels are pixels as they are: of the same type, not rescaled.
     as_stored: bool,
+    pick: Pick,
 }
 
 impl Decoder<'_> {
     fn run<T: Pod + Send + Sync>(
         &self,
-        convert: impl Fn(i64, Rescale) -> T + Sync,
+        convert: impl Fn(i64, Rescale) -> T + Send + Sync,
         progress: Option<&dyn Fn(u64, u64)>,
     ) -> Result<Vec<T>> {
         let mut voxels = zeroed(self.grid.voxels)?;
@@ -154,26 +164,15 @@ impl Decoder<'_> {
         for (frame, out) in self.frames.iter().zip(voxels.chunks_mut(slice.max(1))) {
             files.entry(frame.member).or_default().push((frame, out));
         }
-        let (done, all) = (AtomicU64::new(0), self.grid.bytes);
         let batches: Vec<_> = files.into_iter().collect();
-        // Progress is told by the calling thread alone, between pieces of work.
-        let per_report = (batches.len() / 32).max(16);
-        let mut rest = batches.into_iter();
-        loop {
-            let piece: Vec<_> = rest.by_ref().take(per_report).collect();
-            if piece.is_empty() {
-                break;
-            }
-            piece.into_par_iter().try_for_each(|(member, frames)| {
+        watched(progress, self.grid.bytes, |done| {
+            batches.into_par_iter().try_for_each(|(member, frames)| {
                 let bytes: u64 = frames.iter().map(|(_, out)| size_of_val(*out) as u64).sum();
                 self.file(member, frames, &convert)?;
                 done.fetch_add(bytes, Ordering::Relaxed);
                 Ok::<(), Error>(())
-            })?;
-            if let Some(progress) = progress {
-                progress(done.load(Ordering::Relaxed).min(all), all);
-            }
-        }
+            })
+        })?;
         Ok(voxels)
     }
 
@@ -194,9 +193,9 @@ impl Decoder<'_> {
             });
         }
         let object = frame::open(&path, member, &self.limits)?;
-        frames
-            .into_par_iter()
-            .try_for_each(|(frame, out)| decode_frame(&path, &object, frame, out, convert))
+        frames.into_par_iter().try_for_each(|(frame, out)| {
+            decode_frame(&path, &object, frame, self.pick, out, convert)
+        })
     }
 
     /// Uncompressed pixels, from the file straight to their place where nothing is to be converted.
@@ -233,10 +232,13 @@ fn decode_frame<T>(
     path: &Path,
     object: &DefaultDicomObject,
     frame: &Frame,
+    pick: Pick,
     out: &mut [T],
     convert: &impl Fn(i64, Rescale) -> T,
 ) -> Result<()> {
-    let wanted = out.len() * frame.format.bytes();
+    let format = frame.format;
+    let [bytes_per_sample, samples] = [format.bytes(), format.samples as usize];
+    let wanted = out.len() * bytes_per_sample * samples;
     let element = object
         .get(PIXEL_DATA)
         .ok_or_else(|| bad(path, "PixelData is missing".into()))?;
@@ -259,7 +261,47 @@ fn decode_frame<T>(
         native.get(start..).unwrap_or_default()
     };
     check_whole(path, frame, pixels.len(), wanted)?;
-    convert_pixels(pixels, false, frame, out, convert);
+    if samples == 1 {
+        convert_pixels(pixels, false, frame, out, convert);
+        return Ok(());
+    }
+    let value = |bytes: &[u8]| {
+        let bits = bytes
+            .iter()
+            .rev()
+            .fold(0u32, |bits, &byte| bits << 8 | u32::from(byte));
+        format.value(bits)
+    };
+    let coded = element.fragments().is_some();
+    // Pixels between one sample of a kind and the next, and between one kind and the next.
+    let [step, plane] = if format.planar && !coded {
+        [1, out.len()]
+    } else {
+        [samples, 1]
+    };
+    let sample = |pixel: usize, kind: usize| {
+        let at = (pixel * step + kind * plane) * bytes_per_sample;
+        value(pixels.get(at..at + bytes_per_sample).unwrap_or_default())
+    };
+    // JPEG and JPEG 2000 decoders give red, green and blue.
+    let run_length = object.meta().transfer_syntax() == RLE_LOSSLESS;
+    let pick = match pick {
+        Pick::Luma if format.brightness_first && (!coded || run_length) => Pick::Component(0),
+        other => other,
+    };
+    for (i, out) in out.iter_mut().enumerate() {
+        let value = match pick {
+            Pick::Component(kind) => sample(i, kind),
+            Pick::Luma => {
+                let shares = LUMA.iter().enumerate();
+                let luma: f32 = shares
+                    .map(|(kind, share)| share * sample(i, kind) as f32)
+                    .sum();
+                luma.round() as i64
+            }
+        };
+        *out = convert(value, frame.rescale);
+    }
     Ok(())
 }
 
@@ -341,12 +383,13 @@ fn check_jpeg_sizes(path: &Path, fragments: &[Vec<u8>], frame: &Frame) -> Result
     if fragments.is_empty() {
         return Err(bad(path, "PixelData holds no fragment".into()));
     }
-    for size in fragments.iter().filter_map(|f| jpeg_size(f)) {
-        if size.map(u64::from) != [frame.columns, frame.rows] {
+    let samples = frame.format.samples;
+    for (size, components) in fragments.iter().filter_map(|f| claim_of(f)) {
+        if size.map(u64::from) != [frame.columns, frame.rows] || components > samples {
             return Err(bad(
                 path,
                 format!(
-                    "a coded picture has {size:?} pixels; Columns and Rows say {} x {}",
+                    "a coded picture has {size:?} pixels of {components} samples; the header says {} x {} of {samples}",
                     frame.columns, frame.rows
                 ),
             ));

@@ -1,17 +1,18 @@
 //! Archives, unpacked into memory: nothing is written to disk, so that no name in one can lead anywhere.
 //!
-//! ZIP (PKWARE, *APPNOTE.TXT*) with stored and deflated members, and POSIX tar, plain, gzip or xz.
+//! ZIP (PKWARE, *APPNOTE.TXT*) with stored and deflated members, and POSIX tar, plain, gzip or xz; gzip and xz of one
+//! file.
 
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, Read, Seek as _};
 use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
 use lzma_rust2::XzReader;
 
-use super::Limits;
 use super::bundle::{Bundle, Member, check_count};
 use super::source::{GZIP_MAGIC, bad, gunzipped_head, read_error};
+use super::{Limits, xz_claims};
 use crate::error::{Error, Result};
 
 /// An archive that unpacks to more than this many times its size, and to more than [`FREE_BYTES`], is a bomb.
@@ -29,6 +30,10 @@ pub(super) enum Kind {
     Tar,
     TarGz,
     TarXz,
+    /// One file.
+    Gzip,
+    /// One file.
+    Xz,
 }
 
 impl Kind {
@@ -40,9 +45,20 @@ impl Kind {
         } else if is_tar(head) {
             Some(Self::Tar)
         } else if head.starts_with(XZ_MAGIC) {
-            Some(Self::TarXz)
-        } else if head.starts_with(GZIP_MAGIC) && is_tar(&gunzipped_head(head, 512)) {
-            Some(Self::TarGz)
+            let mut plain = Vec::new();
+            // The head of a file breaks off in the middle: what comes before that is what is wanted.
+            // What it claims is told when it is unpacked.
+            if xz_claims::check(Path::new(""), head).is_ok() {
+                let _ = XzReader::new(head, true).take(512).read_to_end(&mut plain);
+            }
+            Some(if is_tar(&plain) || plain.is_empty() {
+                Self::TarXz
+            } else {
+                Self::Xz
+            })
+        } else if head.starts_with(GZIP_MAGIC) {
+            let tar = is_tar(&gunzipped_head(head, 512));
+            Some(if tar { Self::TarGz } else { Self::Gzip })
         } else {
             None
         }
@@ -52,7 +68,7 @@ impl Kind {
     pub(super) fn unpack(self, path: &Path, limits: &Limits) -> Result<Bundle> {
         let file = File::open(path).map_err(|e| Error::io(path, e))?;
         let packed = file.metadata().map_err(|e| Error::io(path, e))?.len();
-        let file = BufReader::new(file);
+        let mut file = BufReader::new(file);
         let allowed = packed
             .saturating_mul(MAX_RATIO)
             .max(FREE_BYTES)
@@ -68,7 +84,17 @@ impl Kind {
             Self::Zip => unpacked.zip(file)?,
             Self::Tar => unpacked.tar(file)?,
             Self::TarGz => unpacked.tar(MultiGzDecoder::new(file))?,
-            Self::TarXz => unpacked.tar(XzReader::new(file, true))?,
+            Self::TarXz => {
+                xz_claims::check(path, &mut file)?;
+                file.rewind().map_err(|e| Error::io(path, e))?;
+                unpacked.tar(XzReader::new(file, true))?;
+            }
+            Self::Gzip => unpacked.one(MultiGzDecoder::new(file))?,
+            Self::Xz => {
+                xz_claims::check(path, &mut file)?;
+                file.rewind().map_err(|e| Error::io(path, e))?;
+                unpacked.one(XzReader::new(file, true))?;
+            }
         }
         Ok(Bundle::new(path, unpacked.members))
     }
@@ -90,7 +116,7 @@ impl Unpacked<'_> {
         for i in 0..archive.len() {
             let member = archive.by_index(i).map_err(damaged)?;
             if member.is_file() {
-                let (name, size) = (member.name().to_owned(), member.size());
+                let (name, size) = (member.name().to_owned(), Some(member.size()));
                 self.take(name, size, member)?;
             }
         }
@@ -104,15 +130,21 @@ impl Unpacked<'_> {
             let entry = entry.map_err(|e| tar_error(path, e))?;
             if entry.header().entry_type().is_file() {
                 let name = String::from_utf8_lossy(&entry.path_bytes()).into_owned();
-                let size = entry.size();
+                let size = Some(entry.size());
                 self.take(name, size, entry)?;
             }
         }
         Ok(())
     }
 
-    /// Reads one member of a claimed size.
-    fn take(&mut self, name: String, size: u64, member: impl Read) -> Result<()> {
+    /// A compressed file, called as the archive is but for its last ending.
+    fn one(&mut self, file: impl Read) -> Result<()> {
+        let name = self.path.file_stem().unwrap_or_default();
+        self.take(name.to_string_lossy().into_owned(), None, file)
+    }
+
+    /// Reads one member, of a size that is claimed.
+    fn take(&mut self, name: String, size: Option<u64>, member: impl Read) -> Result<()> {
         check_count(self.path, self.members.len(), self.limits)?;
         let too_much = |allowed: u64| {
             bad(
@@ -122,7 +154,7 @@ impl Unpacked<'_> {
                 ),
             )
         };
-        if size > self.left {
+        if size.is_some_and(|size| size > self.left) {
             return Err(too_much(self.allowed));
         }
         // The claim is not believed before the bytes are there.
@@ -135,7 +167,7 @@ impl Unpacked<'_> {
         if read > self.left {
             return Err(too_much(self.allowed));
         }
-        if read != size {
+        if let Some(size) = size.filter(|&size| size != read) {
             return Err(bad(
                 self.path,
                 format!("{name:?} has {read} bytes; its header says {size}"),

@@ -85,6 +85,7 @@ pub struct VolumeSource {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub raw: Option<RawDescription>,
     /// Which series of a DICOM folder: its UID, its number, or the start of its description. Default: the largest.
+    /// Which grid of an OpenVDB file: its name. Default: the first.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub series: Option<String>,
     /// Which volume of a file that holds several in time, from 0. Default: the first.
@@ -93,6 +94,9 @@ pub struct VolumeSource {
     /// Which component of voxels that have several, from 0. Default: the first; of colours, luminance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub channel: Option<u32>,
+    /// Which resolution of an OME-Zarr image, from 0, the finest. Default: the finest within the limits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub level: Option<u32>,
     /// Refuse what would have to be resampled (uneven or missing slices) or guessed (no spacing). Default false.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub strict: bool,

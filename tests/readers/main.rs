@@ -1,6 +1,5 @@
 //! Readers of volume files, against files written byte by byte and against independent readers.
 
-mod damaged;
 #[cfg(feature = "formats")]
 mod independent;
 mod metaimage;

@@ -7,6 +7,7 @@ mod attributes;
 mod claims;
 mod frame;
 mod pixels;
+mod prefix;
 mod resample;
 mod series;
 mod stack;
@@ -16,6 +17,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use self::frame::Frame;
+use self::prefix::Prefix;
 use self::series::Series;
 use super::bundle::{Bundle, Member};
 use super::element::Element;
@@ -29,7 +31,8 @@ use crate::volume::{Content, Metadata, Volume};
 pub(super) const FORMAT: Format = Format {
     name: "DICOM",
     extensions: &["dcm", "ima"],
-    reads: "a series in a folder or archive, or one file of it; multi-frame; uncompressed, deflated, RLE, JPEG",
+    reads: "a series in a folder or archive, or one file of it; multi-frame; colours; uncompressed, deflated, RLE, JPEG, \
+            JPEG 2000",
     file: Some(FileReader {
         recognise: |head, _| is_dicom(head),
         read: read_series_of,
@@ -46,13 +49,11 @@ const PREAMBLE: (usize, &[u8]) = (128, b"DICM");
 const DIRECTORY_NAME: &str = "DICOMDIR";
 
 fn is_dicom(head: &[u8]) -> bool {
-    head.get(PREAMBLE.0..)
-        .is_some_and(|rest| rest.starts_with(PREAMBLE.1))
+    Prefix::of(head).is_some()
 }
 
 fn is_dicom_member(member: &Member) -> bool {
-    is_dicom(&member.head(PREAMBLE.0 + PREAMBLE.1.len()))
-        && member.name().rsplit('/').next() != Some(DIRECTORY_NAME)
+    Prefix::of_member(member).is_some() && member.name().rsplit('/').next() != Some(DIRECTORY_NAME)
 }
 
 /// The series that one file belongs to, from the files beside it.

@@ -11,18 +11,22 @@ pub(super) const MAX_BYTES: usize = NIFTI2_BYTES;
 const NIFTI1_BYTES: usize = 348;
 const NIFTI2_BYTES: usize = 540;
 
-/// `datatype` codes of scalars that are read.
-const DATATYPES: &[(i64, Element)] = &[
-    (2, Element::U8),
-    (4, Element::I16),
-    (8, Element::I32),
-    (16, Element::F32),
-    (64, Element::F64),
-    (256, Element::I8),
-    (512, Element::U16),
-    (768, Element::U32),
-    (1024, Element::I64),
-    (1280, Element::U64),
+/// `datatype` codes that are read, and the numbers of a voxel.
+const DATATYPES: &[(i64, Element, u64)] = &[
+    (2, Element::U8, 1),
+    (4, Element::I16, 1),
+    (8, Element::I32, 1),
+    (16, Element::F32, 1),
+    (32, Element::F32, 2),
+    (64, Element::F64, 1),
+    (128, Element::U8, 3),
+    (256, Element::I8, 1),
+    (512, Element::U16, 1),
+    (768, Element::U32, 1),
+    (1024, Element::I64, 1),
+    (1280, Element::U64, 1),
+    (1792, Element::F64, 2),
+    (2304, Element::U8, 4),
 ];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -177,19 +181,23 @@ impl Header {
             .collect()
     }
 
-    pub(super) fn element(&self) -> Result<Element> {
+    /// The type of a voxel's numbers, and how many there are: red, green, blue and alpha, or real and imaginary.
+    pub(super) fn element(&self) -> Result<(Element, u64)> {
         let code = i64::from(self.i16_at(self.offsets().datatype));
-        let known = DATATYPES.iter().find(|(known, _)| *known == code);
-        known.map(|&(_, element)| element).ok_or_else(|| {
-            let valid: Vec<String> = DATATYPES
-                .iter()
-                .map(|(code, element)| format!("{code} ({element})"))
-                .collect();
-            self.bad(format!(
-                "datatype {code} is not a scalar that is read; valid are {}",
-                valid.join(", ")
-            ))
-        })
+        let known = DATATYPES.iter().find(|(known, ..)| *known == code);
+        known
+            .map(|&(_, element, count)| (element, count))
+            .ok_or_else(|| {
+                let name = |&(code, element, count): &(i64, Element, u64)| match count {
+                    1 => format!("{code} ({element})"),
+                    count => format!("{code} ({count} x {element})"),
+                };
+                let valid: Vec<String> = DATATYPES.iter().map(name).collect();
+                self.bad(format!(
+                    "datatype {code} is not read; valid are {}",
+                    valid.join(", ")
+                ))
+            })
     }
 
     /// Where the voxels start in their file.

@@ -9,6 +9,8 @@ mod placement;
 use std::path::{Path, PathBuf};
 
 use self::header::Header;
+use super::components::Components;
+use super::element::Element;
 use super::formats::FileReader;
 use super::grid::{self, Grid};
 use super::payload::{Coding, Payload};
@@ -20,7 +22,7 @@ use crate::volume::{Content, Metadata, Rescale, Volume};
 pub(super) const FORMAT: Format = Format {
     name: "NIfTI",
     extensions: &["nii", "nii.gz", "hdr", "hdr.gz", "img", "img.gz"],
-    reads: "NIfTI-1 and -2, one file or a pair, plain or gzip, 3-D or 4-D",
+    reads: "NIfTI-1 and -2, one file or a pair, plain or gzip, 3-D or 4-D; colours, complex numbers",
     file: Some(FileReader {
         recognise: |head, path| {
             header::is_header(&gunzipped_head(head, header::MAX_BYTES))
@@ -40,7 +42,9 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
         return read(&header, options);
     }
     let header = Header::parse(path, &plain)?;
-    let element = header.element()?;
+    let (element, count) = header.element()?;
+    let colour = element == Element::U8;
+    let components = Components::of(path, count, element, colour, options.channel)?;
     let grid = Grid::new(path, "dim", &header.axes()?, element, options)?;
     let world_from_ix = placement::world_from_ix(&header)?;
     let rescale = rescale(&header)?;
@@ -63,6 +67,7 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
         endian: header.endian(),
         coding: if gzip { Coding::Gzip } else { Coding::Raw },
         skip,
+        components,
     };
     let voxels = payload.decode(source, options)?;
     let volume = grid::volume(path, voxels, grid, world_from_ix, rescale)?;

@@ -101,6 +101,13 @@ impl Header {
                 break;
             }
             header.take(&line)?;
+            if header
+                .get("data file")
+                .is_some_and(|files| files.starts_with("LIST"))
+            {
+                // Names of files follow, not fields.
+                break;
+            }
         }
         let dimension = header.required("dimension")?;
         header.dimension = dimension

@@ -14,13 +14,16 @@ use super::super::components::{LUMA, Pick};
 use super::super::jpeg_size::claim_of;
 use super::super::payload::reserve;
 use super::super::source::bad;
-use super::frame::{self, Frame, PIXEL_DATA, PixelFormat};
+use super::frame::{self, Frame, NUMBER_OF_FRAMES, PIXEL_DATA, PixelFormat};
 use super::{Element, Grid};
 use crate::error::{Error, Result};
 use crate::volume::{Rescale, Voxels};
 
 /// Transfer syntax of run lengths (PS3.5, A.4.2).
 const RLE_LOSSLESS: &str = "1.2.840.10008.1.2.5";
+
+/// How transfer syntaxes of JPEG 2000 start (PS3.5, A.4.4, A.4.9).
+const JPEG_2000: [&str; 2] = ["1.2.840.10008.1.2.4.9", "1.2.840.10008.1.2.4.20"];
 
 /// What the voxels become.
 pub(super) struct Encoding {
@@ -203,7 +206,7 @@ fn decode_frame<T>(
     let decoded;
     let native;
     let pixels: &[u8] = if let Some(fragments) = element.fragments() {
-        check_jpeg_sizes(path, fragments, frame)?;
+        check_jpeg_sizes(path, object, fragments, frame)?;
         decoded = object.decode_pixel_data_frame(frame.index).map_err(|e| {
             bad(
                 path,
@@ -279,12 +282,35 @@ fn decode_frame<T>(
 }
 
 /// A picture inside that claims another size than the object would make a decoder allocate what nobody asked for.
-fn check_jpeg_sizes(path: &Path, fragments: &[Vec<u8>], frame: &Frame) -> Result<()> {
+fn check_jpeg_sizes(
+    path: &Path,
+    object: &DefaultDicomObject,
+    fragments: &[Vec<u8>],
+    frame: &Frame,
+) -> Result<()> {
     if fragments.is_empty() {
         return Err(bad(path, "PixelData holds no fragment".into()));
     }
     let samples = frame.format.samples;
-    for (size, components) in fragments.iter().filter_map(|f| claim_of(f)) {
+    // A picture may be cut into fragments. Of an object of one they are put together; of others, those of JPEG 2000 must
+    // be one each: its decoder trusts that the size was looked at.
+    let frames = object
+        .get(NUMBER_OF_FRAMES)
+        .and_then(|e| e.to_int::<usize>().ok())
+        .unwrap_or(1);
+    let whole = (frames == 1).then(|| fragments.concat());
+    let pictures = whole.as_ref().map_or(fragments, std::slice::from_ref);
+    let uid = object.meta().transfer_syntax();
+    if pictures.len() != frames && JPEG_2000.iter().any(|start| uid.starts_with(start)) {
+        return Err(bad(
+            path,
+            format!(
+                "{} fragments of {frames} coded pictures; one each is read",
+                pictures.len()
+            ),
+        ));
+    }
+    for (size, components) in pictures.iter().filter_map(|f| claim_of(f)) {
         if size.map(u64::from) != [frame.columns, frame.rows] || components > samples {
             return Err(bad(
                 path,

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::fs::File;
-use std::io::Read;
+use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::Limits;
@@ -120,16 +120,43 @@ impl Member {
         Ok(Cow::Owned(whole_file(path, limits)?))
     }
 
-    /// Something to read the file from, forward.
-    pub(super) fn open(&self) -> Result<Box<dyn Read + '_>> {
+    /// Something to read the file from.
+    pub(super) fn open(&self) -> Result<Box<dyn ReadSeek + '_>> {
         Ok(match &self.data {
-            Data::Bytes(bytes) => Box::new(bytes.as_slice()),
+            Data::Bytes(bytes) => Box::new(Cursor::new(bytes.as_slice())),
             Data::File(path) => Box::new(std::io::BufReader::new(
                 File::open(path).map_err(|e| Error::io(path, e))?,
             )),
         })
     }
+
+    /// Fills `out` from a place of the file, without a buffer in between. Gives back how many bytes there are.
+    pub(super) fn read_at(&self, offset: u64, out: &mut [u8]) -> Result<usize> {
+        match &self.data {
+            Data::Bytes(bytes) => {
+                let start = usize::try_from(offset).unwrap_or(usize::MAX);
+                let there = bytes.get(start..).unwrap_or_default();
+                let got = there.len().min(out.len());
+                for (out, &byte) in out.iter_mut().zip(there) {
+                    *out = byte;
+                }
+                Ok(got)
+            }
+            Data::File(path) => {
+                let mut read = || {
+                    let mut file = File::open(path)?;
+                    file.seek(SeekFrom::Start(offset))?;
+                    super::payload::read_full(&mut file, out)
+                };
+                read().map_err(|e| Error::io(path, e))
+            }
+        }
+    }
 }
+
+/// What a parser needs that skips values.
+pub(super) trait ReadSeek: Read + Seek {}
+impl<T: Read + Seek> ReadSeek for T {}
 
 /// All bytes of a file, if they are no more than a volume may have.
 pub(super) fn whole_file(path: &Path, limits: &Limits) -> Result<Vec<u8>> {

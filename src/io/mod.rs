@@ -50,6 +50,8 @@ mod units;
 #[cfg(feature = "vdb")]
 mod vdb;
 mod vti;
+#[cfg(feature = "archives")]
+mod xz_claims;
 #[cfg(feature = "zarr")]
 mod zarr;
 

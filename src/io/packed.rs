@@ -38,7 +38,7 @@ fn choose<'a>(archive: &'a Bundle, options: &ReadOptions<'_>) -> Result<&'a Memb
 /// Reads it, with the files beside it that its header may name.
 pub(super) fn read(archive: &Bundle, options: &ReadOptions<'_>) -> Result<Volume> {
     let chosen = choose(archive, options)?;
-    let scratch = tempfile::tempdir().map_err(|e| Error::io(&std::env::temp_dir(), e))?;
+    let scratch = tempfile::tempdir().map_err(|e| Error::io(archive.path(), e))?;
     let folder = scratch.path();
     let inside = |member: &Member| -> Option<PathBuf> {
         let name = Path::new(member.name());

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use bzip2::bufread::MultiBzDecoder;
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
+use rayon::prelude::*;
 
 use super::ReadOptions;
 use super::components::{ComponentReader, Components};
@@ -322,6 +323,13 @@ pub(super) fn read_full(reader: &mut dyn Read, mut out: &mut [u8]) -> io::Result
         }
     }
     Ok(total)
+}
+
+/// An array of zeros, written by all cores: most of the time goes into the pages that the system gives.
+pub(super) fn zeroed<T: bytemuck::Zeroable + Copy + Send + Sync>(count: usize) -> Result<Vec<T>> {
+    let mut zeros = reserve(count)?;
+    rayon::iter::repeat_n(T::zeroed(), count).collect_into_vec(&mut zeros);
+    Ok(zeros)
 }
 
 /// An empty array with exactly the room that is needed.

@@ -8,7 +8,7 @@ use super::ReadOptions;
 use super::components::{LUMA, Pick};
 use super::element::Element;
 use super::grid::Grid;
-use super::payload::{MAX_DEFLATE_RATIO, reserve};
+use super::payload::{MAX_DEFLATE_RATIO, zeroed};
 use super::source::bad;
 use crate::error::Result;
 use crate::volume::{VoxelType, Voxels};
@@ -134,7 +134,7 @@ where
     D: Fn(usize) -> Result<Picture> + Sync,
     P: Fn(usize) -> PathBuf + Sync,
 {
-    fn fill<T: Copy + Default + Into<f32> + Send + Sync>(
+    fn fill<T: bytemuck::Zeroable + Copy + Into<f32> + Send + Sync>(
         &self,
         samples_of: impl Fn(&Voxels) -> Option<&Vec<T>> + Sync,
         from_luma: impl Fn(f32) -> T + Sync,
@@ -148,8 +148,7 @@ where
             progress,
         } = self;
         let [x, y, z] = grid.size.map(|n| n as usize);
-        let mut voxels = reserve(grid.voxels)?;
-        voxels.resize(grid.voxels, T::default());
+        let mut voxels = zeroed(grid.voxels)?;
         // Progress is told by the calling thread alone, between pieces of work.
         let piece = (z / 32).max(8);
         for (p, slices) in voxels.chunks_mut(x * y * piece).enumerate() {

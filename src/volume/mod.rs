@@ -327,8 +327,10 @@ impl Volume {
 fn finite_range(voxels: &mut Voxels) -> Result<([f64; 2], u64)> {
     use rayon::prelude::*;
     fn range<T: Copy + Ord + Send + Sync>(v: &[T]) -> Option<(T, T)> {
+        // By value: compilers make vector code of this, and not of minima of references.
+        let widen = |(lo, hi): (T, T), &x: &T| (lo.min(x), hi.max(x));
         v.par_chunks(1 << 16)
-            .filter_map(|c| Some((*c.iter().min()?, *c.iter().max()?)))
+            .filter_map(|c| c.first().map(|&x| c.iter().fold((x, x), widen)))
             .reduce_with(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
     let empty = || Error::invalid("volume", "there are no voxels");

@@ -2,7 +2,6 @@
 
 #[cfg(feature = "formats")]
 mod chunked;
-mod damaged;
 #[cfg(feature = "formats")]
 mod independent;
 mod metaimage;

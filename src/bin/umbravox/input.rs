@@ -11,6 +11,7 @@ use umbravox::volume::Volume;
 use umbravox::{Error, Result};
 
 use crate::args::InputArgs;
+use crate::progress;
 
 /// The scene named on the command line, or the one that suits the volume named there.
 pub(crate) fn read_scene(args: &InputArgs) -> Result<Scene> {
@@ -26,9 +27,20 @@ pub(crate) fn read_scene(args: &InputArgs) -> Result<Scene> {
     }
 }
 
-/// The volume of a scene.
+/// The volume of a scene, with a progress bar.
 pub(crate) fn read_volume(scene: &Scene) -> Result<Arc<Volume>> {
-    io::read(&scene.volume.path, &ReadOptions::from(&scene.volume)).map(Arc::new)
+    let bar = progress::reading();
+    let show = |read, all| {
+        bar.set_length(all);
+        bar.set_position(read);
+    };
+    let options = ReadOptions {
+        progress: Some(&show),
+        ..ReadOptions::from(&scene.volume)
+    };
+    let volume = io::read(&scene.volume.path, &options);
+    bar.finish_and_clear();
+    volume.map(Arc::new)
 }
 
 /// Bytes of an input that are searched for the names of its data files.

@@ -15,7 +15,10 @@ pub(crate) fn complete_light(
     if rays == 0 {
         return Ok(());
     }
-    let bar = bar(rays);
+    let bar = bar(
+        rays.into(),
+        "light {bar:40} {pos}/{len} directions, {eta} left",
+    );
     let mut traced = 0;
     loop {
         let incomplete = session.refine_light()?;
@@ -30,11 +33,16 @@ pub(crate) fn complete_light(
     Ok(())
 }
 
-fn bar(rays: u32) -> ProgressBar {
+/// A bar for bytes of voxels, whose number is not known yet.
+pub(crate) fn reading() -> ProgressBar {
+    bar(0, "read {bar:40} {bytes}/{total_bytes}, {eta} left")
+}
+
+fn bar(length: u64, template: &str) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
-    let style = ProgressStyle::with_template("light {bar:40} {pos}/{len} directions, {eta} left")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(rays.into()).with_style(style)
+    let style =
+        ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(length).with_style(style)
 }

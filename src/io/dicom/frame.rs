@@ -10,8 +10,9 @@ use super::super::Limits;
 use super::super::bundle::Member;
 use super::super::source::bad;
 use super::attributes::{Attributes, directions};
-use super::claims::{self, Until};
-use super::{prefix, quoted};
+use super::claims::{self, NativePixels, Until};
+use super::prefix::{self, Prefix};
+use super::quoted;
 use crate::error::Result;
 use crate::volume::Rescale;
 
@@ -68,6 +69,8 @@ pub(super) struct Frame {
     pub(super) columns: u64,
     pub(super) rows: u64,
     pub(super) format: PixelFormat,
+    /// Where the pixels of all frames of the file lie, when they are neither coded nor deflated.
+    pub(super) native: Option<NativePixels>,
     pub(super) rescale: Rescale,
     /// Millimetres between columns and between rows, when known.
     pub(super) spacing: Option<[f64; 2]>,
@@ -77,6 +80,16 @@ pub(super) struct Frame {
     pub(super) directions: Option<[DVec3; 2]>,
     /// Centre of the first pixel.
     pub(super) position: Option<DVec3>,
+}
+
+impl Frame {
+    /// Where the pixels lie, unless they are to be decoded: bytes of big-endian words hold pixels of other than 16
+    /// bits in an order of their own (PS3.5, 7.3), which the parser knows.
+    pub(super) fn native_pixels(&self) -> Option<NativePixels> {
+        self.native
+            .filter(|native| !native.big_endian || self.format.allocated == 16)
+            .filter(|_| self.format.samples == 1)
+    }
 }
 
 /// How pixels are stored (PS3.5, 8.1.1).
@@ -101,10 +114,12 @@ pub(super) fn frames(
     member: &Member,
     limits: &Limits,
 ) -> Result<Vec<Frame>> {
-    claims::check(path, member, Until::Pixels)?;
+    let native = claims::check(path, member, Until::Pixels, limits)?;
+    // Places are those of whole files: what is put in front of others moves them.
+    let native = native.filter(|_| Prefix::of_member(member) == Some(Prefix::Whole));
     let object = OpenFileOptions::new()
         .read_until(PIXEL_DATA)
-        .from_reader(prefix::open(member)?)
+        .from_reader(prefix::open(member, limits)?)
         .map_err(|e| bad(path, format!("the DICOM header is damaged: {}", chain(&e))))?;
     let attributes = Attributes::of(&object);
     let (Some(rows), Some(columns)) = (attributes.whole(ROWS), attributes.whole(COLUMNS)) else {
@@ -122,6 +137,23 @@ pub(super) fn frames(
             ),
         ));
     }
+    // A coded frame is an item of its own: a tag and a length at least (PS3.5, A.4).
+    let least = match native {
+        Some(_) => [rows, columns, count, format.allocated / 8]
+            .iter()
+            .fold(1u64, |n, &m| n.saturating_mul(m)),
+        None => count.saturating_mul(8),
+    };
+    let have = native.map_or(member.len(), |pixels| pixels.bytes);
+    if count > 1 && have < least {
+        return Err(bad(
+            path,
+            format!(
+                "{count} frames of {columns} x {rows} pixels take at least {least} bytes, {have} are there: it is cut \
+                 short or its header is wrong"
+            ),
+        ));
+    }
     let per_frame = object
         .get(PER_FRAME_GROUPS)
         .and_then(|e| e.items())
@@ -135,7 +167,8 @@ pub(super) fn frames(
                 scopes,
                 object: &object,
             };
-            frame(path, member_index, i, &scoped, [columns, rows], format)
+            let frame = frame(path, member_index, i, &scoped, [columns, rows], format)?;
+            Ok(Frame { native, ..frame })
         })
         .collect()
 }
@@ -191,6 +224,7 @@ fn frame(
         columns,
         rows,
         format,
+        native: None,
         rescale,
         spacing,
         slice_spacing: one(PIXEL_MEASURES, SPACING_BETWEEN_SLICES)
@@ -259,11 +293,11 @@ fn pixel_format(path: &Path, attributes: &Attributes<'_>) -> Result<PixelFormat>
 }
 
 /// Opens an object up to its pixels, them included.
-pub(super) fn open(path: &Path, member: &Member) -> Result<DefaultDicomObject> {
-    claims::check(path, member, Until::PixelsEnd)?;
+pub(super) fn open(path: &Path, member: &Member, limits: &Limits) -> Result<DefaultDicomObject> {
+    claims::check(path, member, Until::PixelsEnd, limits)?;
     OpenFileOptions::new()
         .read_to(PIXEL_DATA)
-        .from_reader(prefix::open(member)?)
+        .from_reader(prefix::open(member, limits)?)
         .map_err(|e| bad(path, format!("the DICOM object is damaged: {}", chain(&e))))
 }
 

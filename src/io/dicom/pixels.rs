@@ -4,16 +4,18 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use bytemuck::Pod;
 use dicom_object::DefaultDicomObject;
 use dicom_pixeldata::PixelDecoder;
 use rayon::prelude::*;
 
-use super::super::ReadOptions;
-use super::super::bundle::Bundle;
+use super::super::bundle::{Bundle, Member};
 use super::super::components::{LUMA, Pick};
 use super::super::jpeg_size::claim_of;
-use super::super::payload::reserve;
+use super::super::payload::zeroed;
 use super::super::source::bad;
+use super::super::{Limits, ReadOptions};
+use super::claims::NativePixels;
 use super::frame::{self, Frame, NUMBER_OF_FRAMES, PIXEL_DATA, PixelFormat};
 use super::{Element, Grid};
 use crate::error::{Error, Result};
@@ -86,7 +88,18 @@ impl PixelFormat {
         }
     }
 
+    /// Bytes of a pixel.
+    fn bytes(self) -> usize {
+        (self.allocated / 8) as usize
+    }
+
+    /// Whether all allocated bits are the value.
+    fn is_full(self) -> bool {
+        self.stored == self.allocated
+    }
+
     /// The pixel in its allocated bits: others than those stored may hold overlays, or nothing.
+    #[inline]
     fn value(self, bits: u32) -> i64 {
         let bits = u64::from(bits) >> (self.high_bit + 1 - self.stored);
         let unused = 64 - self.stored;
@@ -114,6 +127,8 @@ pub(super) fn decode(
         frames,
         grid,
         pick: Pick::of(bundle.path(), samples, samples > 1, options.channel)?,
+        limits: options.limits,
+        as_stored: !encoding.apply,
     };
     let progress = options.progress;
     let whole = |value: i64, _: Rescale| value;
@@ -133,16 +148,18 @@ struct Decoder<'a> {
     frames: &'a [Frame],
     grid: Grid,
     pick: Pick,
+    limits: Limits,
+    /// Voxels are pixels as they are: of the same type, not rescaled.
+    as_stored: bool,
 }
 
 impl Decoder<'_> {
-    fn run<T: Copy + Default + Send>(
+    fn run<T: Pod + Send + Sync>(
         &self,
         convert: impl Fn(i64, Rescale) -> T + Sync,
         progress: Option<&dyn Fn(u64, u64)>,
     ) -> Result<Vec<T>> {
-        let mut voxels = reserve(self.grid.voxels)?;
-        voxels.resize(self.grid.voxels, T::default());
+        let mut voxels = zeroed(self.grid.voxels)?;
         let slice = self.grid.voxels / self.frames.len().max(1);
         // Frames of one file are decoded together, so that it is opened once.
         let mut files: BTreeMap<usize, Vec<(&Frame, &mut [T])>> = BTreeMap::new();
@@ -172,7 +189,7 @@ impl Decoder<'_> {
         Ok(voxels)
     }
 
-    fn file<T: Send>(
+    fn file<T: Pod + Send>(
         &self,
         member: usize,
         frames: Vec<(&Frame, &mut [T])>,
@@ -182,10 +199,45 @@ impl Decoder<'_> {
             return Err(bad(self.bundle.path(), "a file is gone".into()));
         };
         let path = self.bundle.path_of(member);
-        let object = frame::open(&path, member)?;
+        let native = frames.first().and_then(|(frame, _)| frame.native_pixels());
+        if let Some(native) = native {
+            return frames.into_par_iter().try_for_each(|(frame, out)| {
+                self.native_frame(&path, member, native, frame, out, convert)
+            });
+        }
+        let object = frame::open(&path, member, &self.limits)?;
         frames.into_par_iter().try_for_each(|(frame, out)| {
             decode_frame(&path, &object, frame, self.pick, out, convert)
         })
+    }
+
+    /// Uncompressed pixels, from the file straight to their place where nothing is to be converted.
+    fn native_frame<T: Pod>(
+        &self,
+        path: &Path,
+        member: &Member,
+        native: NativePixels,
+        frame: &Frame,
+        out: &mut [T],
+        convert: &impl Fn(i64, Rescale) -> T,
+    ) -> Result<()> {
+        let wanted = out.len().saturating_mul(frame.format.bytes());
+        let before = (wanted as u64).saturating_mul(frame.index.into());
+        let there = native.bytes.saturating_sub(before).min(wanted as u64) as usize;
+        let offset = native.offset.saturating_add(before);
+        let big = native.big_endian;
+        if self.as_stored && size_of::<T>() == frame.format.bytes() {
+            let bytes: &mut [u8] = bytemuck::cast_slice_mut(out);
+            let got = member.read_at(offset, bytes.get_mut(..there).unwrap_or_default())?;
+            check_whole(path, frame, got, wanted)?;
+            clean_pixels(bytes, big, frame.format);
+            return Ok(());
+        }
+        let mut bytes = zeroed(there)?;
+        let got = member.read_at(offset, &mut bytes)?;
+        check_whole(path, frame, got, wanted)?;
+        convert_pixels(&bytes, big, frame, out, convert);
+        Ok(())
     }
 }
 
@@ -197,9 +249,7 @@ fn decode_frame<T>(
     out: &mut [T],
     convert: &impl Fn(i64, Rescale) -> T,
 ) -> Result<()> {
-    let format = frame.format;
-    let [bytes_per_sample, samples] = [format.allocated / 8, format.samples].map(|n| n as usize);
-    let wanted = out.len() * bytes_per_sample * samples;
+    let wanted = out.len() * frame.format.bytes() * frame.format.samples as usize;
     let element = object
         .get(PIXEL_DATA)
         .ok_or_else(|| bad(path, "PixelData is missing".into()))?;
@@ -221,49 +271,116 @@ fn decode_frame<T>(
         let start = wanted.saturating_mul(frame.index as usize);
         native.get(start..).unwrap_or_default()
     };
-    let Some(pixels) = pixels.get(..wanted) else {
-        return Err(bad(
-            path,
-            format!(
-                "frame {} has {} bytes of pixels; {} x {} pixels of {} bits need {wanted}: it is cut short or its \
-                 header is wrong",
-                frame.index,
-                pixels.len(),
-                frame.columns,
-                frame.rows,
-                frame.format.allocated
-            ),
-        ));
-    };
-    let value = |bytes: &[u8]| {
-        let bits = bytes
+    check_whole(path, frame, pixels.len(), wanted)?;
+    if frame.format.samples > 1 {
+        let coded = element.fragments().is_some();
+        // JPEG and JPEG 2000 decoders give red, green and blue.
+        let as_stored = !coded || object.meta().transfer_syntax() == RLE_LOSSLESS;
+        let pick = match pick {
+            Pick::Luma if frame.format.brightness_first && as_stored => Pick::Component(0),
+            other => other,
+        };
+        let planar = frame.format.planar && !coded;
+        convert_colours(pixels, planar, frame, pick, out, convert);
+        return Ok(());
+    }
+    convert_pixels(pixels, false, frame, out, convert);
+    Ok(())
+}
+
+fn check_whole(path: &Path, frame: &Frame, have: usize, wanted: usize) -> Result<()> {
+    if have >= wanted {
+        return Ok(());
+    }
+    Err(bad(
+        path,
+        format!(
+            "frame {} has {have} bytes of pixels; {} x {} pixels of {} bits need {wanted}: it is cut short or its \
+             header is wrong",
+            frame.index, frame.columns, frame.rows, frame.format.allocated
+        ),
+    ))
+}
+
+/// Pixels of 8 or 16 bits in the machine's byte order, without the bits that are not theirs: [`PixelFormat::value`] in the
+/// pixels' own type.
+fn clean_pixels(bytes: &mut [u8], big: bool, format: PixelFormat) {
+    let swapped = big != cfg!(target_endian = "big");
+    if format.is_full() && !(swapped && format.bytes() == 2) {
+        return;
+    }
+    let (above, unused) = (
+        format.allocated - 1 - format.high_bit,
+        format.allocated - format.stored,
+    );
+    if format.bytes() == 1 {
+        for byte in bytes {
+            let bits = *byte << above;
+            *byte = if format.signed {
+                (bits as i8 >> unused) as u8
+            } else {
+                bits >> unused
+            };
+        }
+        return;
+    }
+    for pixel in bytes.as_chunks_mut().0 {
+        let bits = if swapped {
+            u16::from_ne_bytes(*pixel).swap_bytes()
+        } else {
+            u16::from_ne_bytes(*pixel)
+        } << above;
+        let value = if format.signed {
+            (bits as i16 >> unused) as u16
+        } else {
+            bits >> unused
+        };
+        *pixel = value.to_ne_bytes();
+    }
+}
+
+fn convert_pixels<T>(
+    bytes: &[u8],
+    big: bool,
+    frame: &Frame,
+    out: &mut [T],
+    convert: &impl Fn(i64, Rescale) -> T,
+) {
+    fn each<T, const N: usize>(bytes: &[u8], out: &mut [T], voxel: impl Fn([u8; N]) -> T) {
+        for (out, &pixel) in out.iter_mut().zip(bytes.as_chunks().0) {
+            *out = voxel(pixel);
+        }
+    }
+    let voxel = |bits: u32| convert(frame.format.value(bits), frame.rescale);
+    match (frame.format.bytes(), big) {
+        (1, _) => each(bytes, out, |[b]| voxel(b.into())),
+        (2, false) => each(bytes, out, |b| voxel(u16::from_le_bytes(b).into())),
+        (2, true) => each(bytes, out, |b| voxel(u16::from_be_bytes(b).into())),
+        (_, false) => each(bytes, out, |b| voxel(u32::from_le_bytes(b))),
+        (_, true) => each(bytes, out, |b| voxel(u32::from_be_bytes(b))),
+    }
+}
+
+/// One number of every colour: little endian, of which those of a kind lie together where `planar`.
+fn convert_colours<T>(
+    bytes: &[u8],
+    planar: bool,
+    frame: &Frame,
+    pick: Pick,
+    out: &mut [T],
+    convert: &impl Fn(i64, Rescale) -> T,
+) {
+    let (each, samples) = (frame.format.bytes(), frame.format.samples as usize);
+    // Samples between a pixel and the next, and between one kind and the next.
+    let [step, plane] = if planar { [1, out.len()] } else { [samples, 1] };
+    let sample = |pixel: usize, kind: usize| {
+        let at = (pixel * step + kind * plane) * each;
+        let sample = bytes.get(at..at + each).unwrap_or_default();
+        let bits = sample
             .iter()
             .rev()
             .fold(0u32, |bits, &byte| bits << 8 | u32::from(byte));
-        format.value(bits)
-    };
-    if samples == 1 {
-        for (out, bytes) in out.iter_mut().zip(pixels.chunks_exact(bytes_per_sample)) {
-            *out = convert(value(bytes), frame.rescale);
-        }
-        return Ok(());
-    }
-    let coded = element.fragments().is_some();
-    // Pixels between one sample of a kind and the next, and between one kind and the next.
-    let [step, plane] = if format.planar && !coded {
-        [1, out.len()]
-    } else {
-        [samples, 1]
-    };
-    let sample = |pixel: usize, kind: usize| {
-        let at = (pixel * step + kind * plane) * bytes_per_sample;
-        value(pixels.get(at..at + bytes_per_sample).unwrap_or_default())
-    };
-    // JPEG and JPEG 2000 decoders give red, green and blue.
-    let run_length = object.meta().transfer_syntax() == RLE_LOSSLESS;
-    let pick = match pick {
-        Pick::Luma if format.brightness_first && (!coded || run_length) => Pick::Component(0),
-        other => other,
+        frame.format.value(bits)
     };
     for (i, out) in out.iter_mut().enumerate() {
         let value = match pick {
@@ -278,7 +395,6 @@ fn decode_frame<T>(
         };
         *out = convert(value, frame.rescale);
     }
-    Ok(())
 }
 
 /// A picture inside that claims another size than the object would make a decoder allocate what nobody asked for.

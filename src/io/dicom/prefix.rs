@@ -3,11 +3,12 @@
 //! Old files begin with the file meta group, or with the data set itself, then Implicit VR Little Endian or, where the
 //! value representations can be seen, Explicit VR Little Endian. What is missing is put in front of them.
 
-use std::io::Read;
+use std::io::Cursor;
 
 use super::PREAMBLE;
 use crate::error::Result;
-use crate::io::bundle::Member;
+use crate::io::Limits;
+use crate::io::bundle::{Member, ReadSeek};
 
 /// Bytes that are looked at.
 const HEAD_BYTES: usize = 512;
@@ -98,8 +99,13 @@ fn identifies(head: &[u8], explicit: bool) -> bool {
 }
 
 /// The file from its preamble on, whether that is there or not.
-pub(super) fn open(member: &Member) -> Result<Box<dyn Read + '_>> {
-    let prefix = Prefix::of_member(member).unwrap_or(Prefix::Whole);
-    let missing = std::io::Cursor::new(prefix.missing());
-    Ok(Box::new(missing.chain(member.open()?)))
+pub(super) fn open<'a>(member: &'a Member, limits: &Limits) -> Result<Box<dyn ReadSeek + 'a>> {
+    match Prefix::of_member(member) {
+        None | Some(Prefix::Whole) => member.open(),
+        Some(prefix) => {
+            let mut whole = prefix.missing();
+            whole.extend_from_slice(&member.bytes(limits)?);
+            Ok(Box::new(Cursor::new(whole)))
+        }
+    }
 }

@@ -4,6 +4,7 @@
 //! How pages are meant and spaced is in the first page's description: OME-XML or ImageJ. Other files do not say it
 //! reliably; 1 mm is taken.
 
+mod claims;
 mod description;
 
 use std::fs::File;
@@ -54,10 +55,9 @@ fn is_member(member: &Member) -> bool {
 
 fn read_pages(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
     let limits = options.limits;
-    let open = || {
-        let file = File::open(path).map_err(|e| Error::io(path, e))?;
-        decoder(path, BufReader::new(file), &limits)
-    };
+    let file = || File::open(path).map_err(|e| Error::io(path, e));
+    claims::check(path, &mut BufReader::new(file()?))?;
+    let open = || decoder(path, BufReader::new(file()?), &limits);
     let file_len = std::fs::metadata(path)
         .map_err(|e| Error::io(path, e))?
         .len();
@@ -153,6 +153,7 @@ fn read_folder(bundle: &Bundle, options: &ReadOptions<'_>) -> Result<Volume> {
             .ok_or_else(|| bad(path, "there is no page".into()))?;
         let bytes = file.bytes(&limits)?;
         let path = path_of(k);
+        claims::check(&path, &mut Cursor::new(&bytes[..]))?;
         let mut decoder = decoder(&path, Cursor::new(&bytes[..]), &limits)?;
         if decoder.more_images() {
             return Err(bad(

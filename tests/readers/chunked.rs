@@ -194,7 +194,7 @@ fn shards_that_lie_are_refused() {
         "chunk_key_encoding": {"name": "default"},
         "codecs": [{"name": "sharding_indexed", "configuration": {"chunk_shape": [4, 4, 2], "codecs": [{"name": "bytes"}],
             "index_codecs": [{"name": "bytes", "configuration": {"endian": "little"}}]}}]}"#;
-    let mut shard = |header: &str, index: [u64; 4]| {
+    let shard = |header: &str, index: [u64; 4]| {
         let folder = scratch.file("shard/zarr.json", header.as_bytes());
         let mut bytes = vec![9; 32];
         for number in index {

@@ -132,7 +132,7 @@ impl Unpacked<'_> {
             .by_ref()
             .take(TAR_BLOCK)
             .read_to_end(&mut start)
-            .map_err(|e| read_error(self.path, e))?;
+            .map_err(|e| tar_error(self.path, e))?;
         let tar = is_tar(&start);
         let whole = start.as_slice().chain(stream);
         if tar {
@@ -185,7 +185,7 @@ impl Unpacked<'_> {
     }
 }
 
-/// The tar reader reports damage as errors of kind `Other`.
+/// The readers of tar and xz report damage as errors of kind `Other`.
 fn tar_error(path: &Path, error: std::io::Error) -> Error {
     match error.kind() {
         std::io::ErrorKind::Other => bad(path, format!("the archive is damaged: {error}")),

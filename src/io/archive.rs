@@ -1,4 +1,4 @@
-//! Archives, unpacked into memory: nothing is written to disk, so that no name in one can lead anywhere.
+//! Archives, unpacked into memory: no name in one can lead anywhere. `packed` alone writes members to disk.
 //!
 //! ZIP (PKWARE, *APPNOTE.TXT*) with stored and deflated members, and POSIX tar, plain, gzip or xz; gzip and xz of one
 //! file.

@@ -326,6 +326,7 @@ pub(super) fn read_full(reader: &mut dyn Read, mut out: &mut [u8]) -> io::Result
 }
 
 /// An array of zeros, written by all cores: most of the time goes into the pages that the system gives.
+#[cfg(any(feature = "dicom", feature = "image-stacks"))]
 pub(super) fn zeroed<T: bytemuck::Zeroable + Copy + Send + Sync>(count: usize) -> Result<Vec<T>> {
     let mut zeros = reserve(count)?;
     rayon::iter::repeat_n(T::zeroed(), count).collect_into_vec(&mut zeros);

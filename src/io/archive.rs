@@ -1,4 +1,4 @@
-//! Archives, unpacked into memory: nothing is written to disk, so that no name in one can lead anywhere.
+//! Archives, unpacked into memory: no name in one can lead anywhere. `packed` alone writes members to disk.
 //!
 //! ZIP (PKWARE, *APPNOTE.TXT*) with stored and deflated members, and POSIX tar, plain, gzip or xz; gzip and xz of one
 //! file.
@@ -23,39 +23,29 @@ const FREE_BYTES: u64 = 64 << 20;
 const XZ_MAGIC: &[u8] = b"\xfd7zXZ\0";
 /// Where a tar header names its format, and how.
 const USTAR: (usize, &[u8]) = (257, b"ustar");
+/// Bytes of a tar header.
+const TAR_BLOCK: u64 = 512;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Zip,
     Tar,
     TarGz,
-    TarXz,
     /// One file.
     Gzip,
-    /// One file.
+    /// Of one file, or of a tar archive: what it is takes memory to know.
     Xz,
 }
 
 impl Kind {
     /// What the start of a file says.
     pub(super) fn of(head: &[u8]) -> Option<Self> {
-        let is_tar = |head: &[u8]| head.get(USTAR.0..).is_some_and(|h| h.starts_with(USTAR.1));
         if head.starts_with(b"PK\x03\x04") || head.starts_with(b"PK\x05\x06") {
             Some(Self::Zip)
         } else if is_tar(head) {
             Some(Self::Tar)
         } else if head.starts_with(XZ_MAGIC) {
-            let mut plain = Vec::new();
-            // The head of a file breaks off in the middle: what comes before that is what is wanted.
-            // What it claims is told when it is unpacked.
-            if xz_claims::check(Path::new(""), head).is_ok() {
-                let _ = XzReader::new(head, true).take(512).read_to_end(&mut plain);
-            }
-            Some(if is_tar(&plain) || plain.is_empty() {
-                Self::TarXz
-            } else {
-                Self::Xz
-            })
+            Some(Self::Xz)
         } else if head.starts_with(GZIP_MAGIC) {
             let tar = is_tar(&gunzipped_head(head, 512));
             Some(if tar { Self::TarGz } else { Self::Gzip })
@@ -84,20 +74,19 @@ impl Kind {
             Self::Zip => unpacked.zip(file)?,
             Self::Tar => unpacked.tar(file)?,
             Self::TarGz => unpacked.tar(MultiGzDecoder::new(file))?,
-            Self::TarXz => {
-                xz_claims::check(path, &mut file)?;
-                file.rewind().map_err(|e| Error::io(path, e))?;
-                unpacked.tar(XzReader::new(file, true))?;
-            }
             Self::Gzip => unpacked.one(MultiGzDecoder::new(file))?,
             Self::Xz => {
                 xz_claims::check(path, &mut file)?;
                 file.rewind().map_err(|e| Error::io(path, e))?;
-                unpacked.one(XzReader::new(file, true))?;
+                unpacked.tar_or_one(XzReader::new(file, true))?;
             }
         }
         Ok(Bundle::new(path, unpacked.members))
     }
+}
+
+fn is_tar(head: &[u8]) -> bool {
+    head.get(USTAR.0..).is_some_and(|h| h.starts_with(USTAR.1))
 }
 
 /// An archive on its way into memory.
@@ -135,6 +124,22 @@ impl Unpacked<'_> {
             }
         }
         Ok(())
+    }
+
+    fn tar_or_one(&mut self, mut stream: impl Read) -> Result<()> {
+        let mut start = Vec::new();
+        stream
+            .by_ref()
+            .take(TAR_BLOCK)
+            .read_to_end(&mut start)
+            .map_err(|e| tar_error(self.path, e))?;
+        let tar = is_tar(&start);
+        let whole = start.as_slice().chain(stream);
+        if tar {
+            self.tar(whole)
+        } else {
+            self.one(whole)
+        }
     }
 
     /// A compressed file, called as the archive is but for its last ending.
@@ -180,7 +185,7 @@ impl Unpacked<'_> {
     }
 }
 
-/// The tar reader reports damage as errors of kind `Other`.
+/// The readers of tar and xz report damage as errors of kind `Other`.
 fn tar_error(path: &Path, error: std::io::Error) -> Error {
     match error.kind() {
         std::io::ErrorKind::Other => bad(path, format!("the archive is damaged: {error}")),

@@ -130,6 +130,7 @@ impl Narrowed {
 }
 
 /// A whole array, narrowed.
+#[cfg(any(feature = "vdb", feature = "zarr"))]
 pub(super) fn narrowed<T: Wide>(path: &Path, element: Element, values: Vec<T>) -> Result<Voxels> {
     let mut narrow = Narrowed::new(values.len())?;
     match narrow.extend(&values, values.len())? {

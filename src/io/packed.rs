@@ -1,5 +1,6 @@
 //! Ordinary volume files in an archive: unpacked into a folder of their own, which goes away after reading.
 
+use std::io::{self, ErrorKind};
 use std::path::{Component, Path, PathBuf};
 
 use super::bundle::{Bundle, Member};
@@ -38,7 +39,7 @@ fn choose<'a>(archive: &'a Bundle, options: &ReadOptions<'_>) -> Result<&'a Memb
 /// Reads it, with the files beside it that its header may name.
 pub(super) fn read(archive: &Bundle, options: &ReadOptions<'_>) -> Result<Volume> {
     let chosen = choose(archive, options)?;
-    let scratch = tempfile::tempdir().map_err(|e| Error::io(&std::env::temp_dir(), e))?;
+    let scratch = tempfile::tempdir().map_err(|e| Error::io(archive.path(), e))?;
     let folder = scratch.path();
     let inside = |member: &Member| -> Option<PathBuf> {
         let name = Path::new(member.name());
@@ -59,7 +60,7 @@ pub(super) fn read(archive: &Bundle, options: &ReadOptions<'_>) -> Result<Volume
         let bytes = member.bytes(&options.limits)?;
         std::fs::create_dir_all(parent)
             .and_then(|()| std::fs::write(&path, bytes))
-            .map_err(|e| Error::io(&path, e))?;
+            .map_err(|e| not_written(archive, member, e))?;
     }
     let path = inside(chosen).ok_or_else(|| {
         bad(
@@ -82,4 +83,17 @@ pub(super) fn read(archive: &Bundle, options: &ReadOptions<'_>) -> Result<Volume
         },
         other => other,
     })
+}
+
+/// A full disk is nobody's fault; a name that no file can have is the archive's.
+fn not_written(archive: &Bundle, member: &Member, error: io::Error) -> Error {
+    match error.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::PermissionDenied => {
+            Error::io(archive.path(), error)
+        }
+        _ => bad(
+            archive.path(),
+            format!("{:?} cannot be unpacked: {error}", member.name()),
+        ),
+    }
 }

@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 
 use bzip2::bufread::MultiBzDecoder;
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
-use rayon::prelude::*;
 
 use super::ReadOptions;
 use super::components::{ComponentReader, Components};
@@ -326,7 +325,9 @@ pub(super) fn read_full(reader: &mut dyn Read, mut out: &mut [u8]) -> io::Result
 }
 
 /// An array of zeros, written by all cores: most of the time goes into the pages that the system gives.
+#[cfg(any(feature = "dicom", feature = "image-stacks"))]
 pub(super) fn zeroed<T: bytemuck::Zeroable + Copy + Send + Sync>(count: usize) -> Result<Vec<T>> {
+    use rayon::iter::IndexedParallelIterator;
     let mut zeros = reserve(count)?;
     rayon::iter::repeat_n(T::zeroed(), count).collect_into_vec(&mut zeros);
     Ok(zeros)

@@ -508,7 +508,7 @@ fn formats_are_listed() {
     let place = Workplace::new();
     let formats: Value = serde_json::from_str(&place.succeed(&["formats", "--json"])).unwrap();
     let names = formats.to_string();
-    for name in ["NRRD", "NIfTI", "MetaImage", "DICOM"] {
+    for name in ["NRRD", "NIfTI", "MetaImage", "DICOM", "OpenVDB", "OME-Zarr"] {
         assert!(names.contains(name), "{names}");
     }
 }

@@ -77,11 +77,17 @@ const GRADIENTS: [Gradient; 6] = [
     Gradient::CatmullRom,
 ];
 
-/// Around a point off the middle; exactly 0 in most blocks, which coarse levels therefore keep exactly.
+/// Around a point off the middle; exactly 0 in most blocks, which coarse levels therefore keep exactly. Ripples see to it that
+/// the others are kept at the finest level.
 fn bump(p: DVec3) -> f64 {
     let q = (p - DVec3::new(0.4, 0.55, 0.45)) * DVec3::new(1.0, 1.2, 0.9);
     let r = q.length() / 0.3;
-    if r < 1.0 { (1.0 - r * r).powi(2) } else { 0.0 }
+    let ripple = (55.0 * p.x).sin() * (61.0 * p.y + 1.0).sin() * (49.0 * p.z).sin();
+    if r < 1.0 {
+        (1.0 - r * r).powi(2) * (0.8 + 0.2 * ripple)
+    } else {
+        0.0
+    }
 }
 
 fn scene_of(choice: &Choice) -> Subject {

@@ -7,6 +7,9 @@ use std::process::{Command, Stdio};
 
 use serde_json::{Value, json};
 
+mod conformance;
+mod probe;
+mod reproduce;
 mod workplace;
 
 use workplace::Workplace;
@@ -16,7 +19,16 @@ fn help_and_version_are_results() {
     let place = Workplace::new();
     assert!(place.succeed(&["--version"]).starts_with("umbravox "));
     let help = place.succeed(&["--help"]);
-    for command in ["render", "info", "light", "bench", "devices", "schema"] {
+    for command in [
+        "render",
+        "info",
+        "probe",
+        "light",
+        "bench",
+        "conformance",
+        "devices",
+        "schema",
+    ] {
         assert!(help.contains(&format!("\n  {command}")), "{help}");
     }
 }

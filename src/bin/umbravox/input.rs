@@ -34,14 +34,11 @@ pub(crate) fn read_volume(scene: &Scene) -> Result<Arc<Volume>> {
 /// Bytes of an input that are searched for the names of its data files.
 const HEADER_BYTES: u64 = 64 << 10;
 
-/// Checks that a file can be put at `output` and that nothing is read from there. Gives the output's place, the same for every
+/// Checks that a file can be put at `output` and that none of `inputs` is read from there. Gives the output's place, the same for every
 /// way of writing it.
-pub(crate) fn check_output(output: &Path, args: &InputArgs, scene: &Scene) -> Result<PathBuf> {
+pub(crate) fn check_output(output: &Path, inputs: [&Path; 2]) -> Result<PathBuf> {
     output::check_place(output)?;
-    let is_input = [&args.path, &scene.volume.path]
-        .into_iter()
-        .any(|input| is_read(input, output));
-    if is_input {
+    if inputs.into_iter().any(|input| is_read(input, output)) {
         return Err(Error::invalid(
             output.display().to_string(),
             "is also an input; give another file",

@@ -31,6 +31,11 @@ pub(super) fn checks(device: &Headless) -> Result<Vec<Check>> {
     let subject = ramp_subject(1.0)?;
     let voxel = subject.volume.min_spacing();
     let figure = |projection, exact: &dyn Fn([f64; 2], f64, f64) -> Option<f64>| -> Result<f64> {
+        // Of an optical depth, what is seen is the transparency.
+        let scale = |measure: f64| match projection {
+            RayProjection::Xray => (-measure).exp(),
+            _ => measure,
+        };
         let mut worst = Worst::default();
         let subject = subject.with(|scene| scene.march.projection = projection);
         subject.each_picture(device, &STEPS, |step, picture, rays| {
@@ -38,7 +43,7 @@ pub(super) fn checks(device: &Headless) -> Result<Vec<Check>> {
                 let along = ramp_along(&subject.volume, ray);
                 let exact = along.and_then(|(ends, length)| exact(ends, length, step));
                 if let Some(exact) = exact {
-                    worst.add(f64::from(measure) - exact);
+                    worst.add(scale(f64::from(measure)) - scale(exact));
                 }
             }
         })?;
@@ -70,8 +75,8 @@ pub(super) fn checks(device: &Headless) -> Result<Vec<Check>> {
         ),
         of(
             "projection.xray",
-            "optical depth of a ramp",
-            "optical depth",
+            "transparency of a ramp by X-rays",
+            "linear",
             figure(RayProjection::Xray, &depth)?,
         ),
     ])

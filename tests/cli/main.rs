@@ -127,8 +127,8 @@ fn bad_overrides_are_refused_like_bad_scenes() {
             "scene.json: march.stepp: unknown key; did you mean \"step\"?",
         ),
         (
-            "march.classification=preintegrated",
-            "scene.json: march.classification: \"preintegrated\" is not available",
+            "march.classification=middle",
+            "scene.json: march.classification: \"middle\" is not available",
         ),
         ("march", "--set march: there is no \"=\"; give PLACE=VALUE"),
     ] {

@@ -163,8 +163,8 @@ pub(crate) struct RenderInputArgs {
     /// Render a picture of this program again, from what its file says of its origin.
     #[arg(long, value_name = "PICTURE", conflicts_with_all = ["path", "overrides"])]
     reproduce: Option<PathBuf>,
-    /// Where the data of that picture is now.
-    #[arg(long, value_name = "VOLUME", requires = "reproduce")]
+    /// With --reproduce: where the data of that picture is now.
+    #[arg(long, value_name = "VOLUME")]
     pub(crate) volume: Option<PathBuf>,
 }
 

@@ -16,6 +16,10 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let outputs = Outputs::check(&args.outputs)?;
     let mut job = Job::read(&args.input.resolve())?;
     if let Some(path) = &args.input.volume {
+        if job.recorded.is_none() {
+            let message = "goes with --reproduce; use --set volume.path=PATH with a scene";
+            return Err(Error::invalid("--volume", message));
+        }
         job.scene.volume.path = path.clone();
     }
     let mut places = Vec::new();

@@ -123,7 +123,7 @@ fn ramp(values: [f64; 2], opacities: [f64; 2]) -> TransferFunction {
     TransferFunction {
         unit_distance: Some(1.0),
         points: Some(vec![point(0), point(1)]),
-        preset: None,
+        ..Default::default()
     }
 }
 

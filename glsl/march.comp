@@ -22,6 +22,12 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
+// When it is applied: after interpolation, before it, or along each segment (src/pass/picture.rs).
+const uint POST = 0u;
+const uint PRE = 1u;
+const uint PREINTEGRATED = 2u;
+layout(constant_id = SPEC_CLASSIFICATION) const uint CLASSIFICATION = 0;
+
 // Opacity alone, of which the optical depth is kept (Max's absorption-only model).
 layout(constant_id = SPEC_XRAY) const bool XRAY = false;
 

@@ -39,7 +39,9 @@ void main() {
     vec3 radiance = vec3(0.0);
     vec3 emitted = vec3(0.0);
     float opacity;
-    if (front == back) {
+    float length = front == back ? 0.0 : difference(front, back, 2).a;
+    // Where the function jumps, two entries have the same value.
+    if (length == 0.0) {
         vec4 here = texelFetch(t_integrals, ivec2(front, 4), 0);
         opacity = opacity_of(here.a);
         radiance = here.rgb * opacity;
@@ -47,7 +49,7 @@ void main() {
             emitted = texelFetch(t_integrals, ivec2(front, 5), 0).rgb * opacity;
         }
     } else {
-        float per_length = 1.0 / difference(front, back, 2).a;
+        float per_length = 1.0 / length;
         int parts = min(abs(back - front), PARTS);
         float transparency = 1.0;
         int from = front;

@@ -8,12 +8,6 @@ layout(constant_id = SPEC_EMISSION) const bool EMISSION = false;
 
 layout(set = 0, binding = BINDING_TRANSFER) uniform sampler2D t_transfer;
 
-// When it is applied: after interpolation, before it, or along each segment (src/pass/march.rs).
-const uint POST = 0u;
-const uint PRE = 1u;
-const uint PREINTEGRATED = 2u;
-layout(constant_id = SPEC_CLASSIFICATION) const uint CLASSIFICATION = 0;
-
 struct Classified {
     vec3 color;     // linear, not premultiplied
     vec3 emission;

@@ -3,7 +3,7 @@
 // All but the two cubic ones are sums of taps of the trilinear field whole voxels away, which is the trilinear interpolation of
 // the estimates at voxels. Taps beyond the volume read its border.
 
-// 0 central differences, 1 four points an axis, 2 linear regression, 3 Sobel, 4 B-spline, 5 Catmull-Rom (src/pass/march.rs).
+// 0 central differences, 1 four points an axis, 2 linear regression, 3 Sobel, 4 B-spline, 5 Catmull-Rom (src/pass/picture.rs).
 layout(constant_id = SPEC_GRADIENT) const uint GRADIENT = 0;
 
 // One-sided at the volume's border and where the neighbour is not resident.

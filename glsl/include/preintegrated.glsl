@@ -1,19 +1,25 @@
 // What the transfer function makes of a segment along which the value runs linearly, from a table over the values at its ends
-// (Engel, Kraus and Ertl 2001). The table's axes are linear over the transfer function's range, in as many cells as put its control
-// points on entries where possible, and compress what lies beyond on either side into a fixed number of cells.
+// (Engel, Kraus and Ertl 2001). Entries lie where the transfer function needs them (src/atlas/preintegration.rs); row 4 of the
+// transfer table tells where on an axis each of its bins starts and ends. Values beyond the function's range go to compressed ends.
 
 layout(set = 0, binding = BINDING_PREINTEGRATED) uniform sampler2D t_preintegrated;
 layout(set = 0, binding = BINDING_PREINTEGRATED_EMISSION) uniform sampler2D t_preintegrated_emission;
 
-// Cells that each compressed end of an axis takes (src/atlas/preintegration.rs).
+const int PLACE_ROW = 4;
+// Cells that each compressed end of an axis takes.
 const float TAIL_CELLS = 64.0;
 
 // Place of a texture sample on an axis of the table, in texels.
 float table_place(float value) {
-    float t = (value - volume.table_first) * volume.table_from_sample;
-    float inside = clamp(t, 0.0, 1.0);
-    float beyond = (t - inside) * volume.table_cells;
-    return inside * volume.table_cells + beyond / (1.0 + abs(beyond) / TAIL_CELLS) + TAIL_CELLS;
+    float x = (value - volume.first_sample) * volume.bin_from_sample;
+    float inner = volume.last_bin - 1.0;
+    float inside = clamp(x, 0.0, inner);
+    float bin = min(floor(inside), inner - 1.0);
+    vec2 ends = transfer_texel(int(bin) + 1, PLACE_ROW).rg;
+    float place = mix(ends.x, ends.y, inside - bin);
+    float beyond = (x - inside) * volume.table_tail;
+    place = x < 0.0 ? TAIL_CELLS : x >= inner ? volume.table_end : place;
+    return place + beyond / (1.0 + abs(beyond) / TAIL_CELLS);
 }
 
 // By hand: a texture unit's weights are too coarse, and a place on an entry must not see its neighbour, or empty space would not
@@ -26,7 +32,7 @@ float table_place(float value) {
 // A whole step from one value to another; places from table_place.
 Classified classify_step(float front, float back) {
     vec2 at = vec2(front, back);
-    ivec2 i = ivec2(min(at, vec2(volume.table_cells + 2.0 * TAIL_CELLS - 1.0)));
+    ivec2 i = ivec2(min(at, vec2(volume.table_end + TAIL_CELLS - 1.0)));
     vec2 f = at - vec2(i);
     vec4 step = TABLE_BETWEEN(t_preintegrated, i, f);
     // The table holds associated colours, which is what can be interpolated.

@@ -12,11 +12,11 @@ struct VolumeParams {
     ivec3 skip_extent;      // skip cells on each axis
     float bins;             // number of bins of the transfer function
     vec3 gradient_x_ws;     // world gradient of index x: columns of the inverse transpose of world_from_ix
-    float table_first;      // texture sample at which the transfer function's first control point lies
+    float table_end;        // place on an axis of the preintegrated table of the last control point
     vec3 gradient_y_ws;
-    float table_from_sample; // 1 / (texture samples from the first control point to the last)
+    float table_tail;       // cells of that table per bin, beyond the function's range
     vec3 gradient_z_ws;
-    float table_cells;      // cells of the preintegrated table from the first control point to the last
+    float pad0;
 };
 
 // What changes with the camera. A ray through pixel (px, py) starts at origin + px origin_dx + py origin_dy and goes

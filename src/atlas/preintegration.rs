@@ -1,24 +1,24 @@
 //! Pre-integrated classification (Engel, Kraus and Ertl 2001): what the host prepares of the table that
 //! `glsl/preintegrate.comp` computes.
 //!
-//! The table's axes have entries at fixed values: linear over the transfer function's range, and compressed beyond it, so that
-//! segments that begin or end far outside are right too. Of each entry the shader needs the antiderivatives of extinction and of
-//! extinction times colour up to its value; they are computed here in f64.
+//! The table's axes have entries at chosen values: at every control point of the transfer function (twice where it jumps), close
+//! together near them and wider between, and compressed beyond the function's range, so that segments that begin or end far
+//! outside are right too. Of each entry the shader needs the antiderivatives of extinction and of extinction times colour up to its value;
+//! they are computed here in f64.
 
-use super::SampleScale;
-use super::transfer_table::best_cells;
-use crate::scene::{Curve, Optical};
+use crate::scene::{Curve, CurvePoint, Optical};
 
 /// Cells that each compressed end of an axis takes.
 const TAIL_CELLS: usize = 64;
-/// Where the last entry lies, in ranges beyond the function's own.
-const FAR: f64 = 1e4;
+/// Where the last entry lies, in bins of the transfer table beyond the function's range.
+const FAR: f64 = 1e7;
 /// Most cells over the function's range. A table has 16 bytes an entry, and as many again with emission.
 const MAX_CELLS: usize = 892;
-/// Fewest cells over the function's range.
+/// Fewest cells over the function's range, given as many bins.
 const MIN_CELLS: usize = 128;
-/// Cells that the narrowest piece of a transfer function shall have at least, where a table allows it.
-const CELLS_A_PIECE: f64 = 8.0;
+/// Cells of a piece between control points, where the table has room for them and the piece has as many bins. Pieces that show
+/// nothing need as many as others: what a segment shows depends on how far it reaches into them.
+const CELLS_A_PIECE: usize = 64;
 /// Largest optical depth of a whole step: what is opaque is opaque over a ten thousandth of a step too.
 const OPAQUE: f64 = 1e6;
 /// Rows of [`Preintegration::texels`].
@@ -28,134 +28,163 @@ pub(crate) const ROWS: u32 = 6;
 #[derive(Clone, Debug)]
 pub(crate) struct Preintegration {
     curve: Curve,
-    /// First and last value of the transfer function; the last is above the first.
-    range: [f64; 2],
-    /// Cells over that range.
-    cells: usize,
+    /// Value of the first control point, and width of a bin of the transfer table.
+    first: f64,
+    width: f64,
+    entries: Vec<Entry>,
+    /// By bin of the transfer table inside the function's range: places of its start and end.
+    places: Vec<[f32; 2]>,
+    /// Place of the last control point.
+    end: usize,
+    /// Cells a bin, beyond the function's range.
+    tail: f64,
     /// Number of intervals between entries, before each, in which something shows.
     shown_before: Vec<u32>,
 }
 
-impl Preintegration {
-    pub(crate) fn new(curve: &Curve) -> Self {
-        let values: Vec<f64> = curve.points.iter().map(|p| p.value).collect();
-        let low = values.first().copied().unwrap_or(0.0);
-        let high = values.last().copied().unwrap_or(0.0);
-        // A single value has all the action at itself; any width around it will do.
-        let width = if high > low {
-            high - low
-        } else {
-            low.abs().max(1.0)
-        };
-        let narrowest = values
-            .windows(2)
-            .map(|v| v[1] - v[0])
-            .filter(|&piece| piece > 0.0)
-            .fold(width, f64::min);
-        let fewest =
-            ((CELLS_A_PIECE * width / narrowest).ceil() as usize).clamp(MIN_CELLS, MAX_CELLS);
-        // Twice as many give room to align all control points.
-        let most = (2 * fewest).min(MAX_CELLS);
-        let cells = if high > low {
-            best_cells(&values, fewest..=most)
-        } else {
-            MIN_CELLS
-        };
-        let mut table = Self {
-            curve: curve.clone(),
-            range: [low, low + width],
-            cells,
-            shown_before: Vec::new(),
-        };
-        let mut shown = vec![0];
-        for entry in 1..table.count() {
-            let shows = table.shows(table.value(entry - 1), table.value(entry));
-            shown.push(shown[entry - 1] + u32::from(shows));
+/// A value that the table has an entry for.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    value: f64,
+    /// The function just below the value, where it jumps; the next entry is then the one just above.
+    below: bool,
+}
+
+/// A piece between neighbouring control points: its bins, and the cells it is given.
+struct Piece {
+    bins: [usize; 2],
+    /// Value of the control point at its end.
+    end: f64,
+    cells: usize,
+}
+
+impl Piece {
+    /// Borders of its cells, in bins: close together at both ends, where control points make the table bend.
+    fn borders(&self) -> Vec<usize> {
+        let [from, to] = self.bins;
+        let (bins, cells) = (to - from, self.cells);
+        let mut borders = vec![from];
+        for cell in 1..=cells {
+            let u = cell as f64 / cells as f64;
+            let ideal = from + (bins as f64 * u * u * (3.0 - 2.0 * u)).round() as usize;
+            // Every cell has a bin at least, those still to come included.
+            let least = borders[cell - 1] + 1;
+            borders.push(ideal.clamp(least, to - (cells - cell)));
         }
-        table.shown_before = shown;
-        table
+        borders
+    }
+}
+
+impl Preintegration {
+    /// `first`, `width` and `bins`: the transfer table's bins over the function's range; none where it has a single value.
+    pub(crate) fn new(curve: &Curve, first: f64, width: f64, bins: usize) -> Self {
+        let pieces = pieces(curve, first, width, bins);
+        let borders: Vec<Vec<usize>> = pieces.iter().map(Piece::borders).collect();
+        // The ends go on as finely as the range ends.
+        let finest = borders
+            .iter()
+            .flat_map(|b| [b[1] - b[0], b[b.len() - 1] - b[b.len() - 2]]);
+        let tail = finest
+            .min()
+            .map_or(MIN_CELLS as f64, |bins| 1.0 / bins as f64);
+        // Of an entry of an end, by its distance from the range.
+        let beyond = |cell: usize| {
+            let share = (cell as f64 / TAIL_CELLS as f64).min(1.0 - 1e-12);
+            width * (TAIL_CELLS as f64 * share / (1.0 - share) / tail).min(FAR)
+        };
+        let plain = |value| Entry {
+            value,
+            below: false,
+        };
+        let mut entries: Vec<Entry> = (1..=TAIL_CELLS)
+            .rev()
+            .map(|cell| plain(first - beyond(cell)))
+            .collect();
+        push_control_point(&mut entries, curve, first);
+        let mut places = Vec::with_capacity(bins);
+        for (piece, borders) in pieces.iter().zip(&borders) {
+            for ends in borders.windows(2) {
+                let start = entries.len() as f32 - 1.0;
+                let share = |bin: usize| (bin - ends[0]) as f32 / (ends[1] - ends[0]) as f32;
+                places.extend((ends[0]..ends[1]).map(|b| [start + share(b), start + share(b + 1)]));
+                if ends[1] == piece.bins[1] {
+                    push_control_point(&mut entries, curve, piece.end);
+                } else {
+                    entries.push(plain(first + width * ends[1] as f64));
+                }
+            }
+        }
+        let end = entries.len() - 1;
+        let last = entries[end].value;
+        entries.extend((1..=TAIL_CELLS).map(|cell| plain(last + beyond(cell))));
+        let mut shown_before = vec![0];
+        for pair in entries.windows(2) {
+            let before = shown_before.last().copied().unwrap_or(0);
+            shown_before.push(before + u32::from(shows_between(curve, pair[0], pair[1])));
+        }
+        Self {
+            curve: curve.clone(),
+            first,
+            width,
+            entries,
+            places,
+            end,
+            tail,
+            shown_before,
+        }
     }
 
     /// Entries on each axis.
     pub(crate) fn entries(&self) -> u32 {
-        self.count() as u32
+        self.entries.len() as u32
     }
 
-    /// Cells from the transfer function's first value to its last.
-    pub(crate) fn cells(&self) -> u32 {
-        self.cells as u32
+    /// By bin of the transfer table inside the function's range: places of its start and end on an axis.
+    pub(crate) fn places(&self) -> &[[f32; 2]] {
+        &self.places
     }
 
-    fn count(&self) -> usize {
-        self.cells + 2 * TAIL_CELLS + 1
-    }
-
-    /// First value of the transfer function, and the distance to its last one (> 0).
-    pub(crate) fn range(&self) -> (f64, f64) {
-        (self.range[0], self.range[1] - self.range[0])
-    }
-
-    /// Value of an entry.
-    fn value(&self, entry: usize) -> f64 {
-        let (low, width) = self.range();
-        low + width * self.place_in_range(entry)
-    }
-
-    /// Value of an entry, 0 at the function's first and 1 at its last.
-    fn place_in_range(&self, entry: usize) -> f64 {
-        let (cells, tail) = (self.cells as f64, TAIL_CELLS as f64);
-        let x = entry as f64 - tail;
-        let inside = x.clamp(0.0, cells);
-        let compressed = ((x - inside).abs() / tail).min(1.0 - 1e-12);
-        let beyond = tail * compressed / (1.0 - compressed) / cells;
-        inside / cells + (x - inside).signum() * beyond.min(FAR)
+    /// Place of the last control point, and cells a bin beyond the function's range.
+    pub(crate) fn ends(&self) -> (f64, f64) {
+        (self.end as f64, self.tail)
     }
 
     /// The place of a value on an axis, in entries: the shaders' `table_place`.
     fn place(&self, value: f64) -> f64 {
-        let (low, width) = self.range();
-        let (cells, tail) = (self.cells as f64, TAIL_CELLS as f64);
-        let t = (value - low) / width;
-        let inside = t.clamp(0.0, 1.0);
-        let beyond = (t - inside) * cells;
-        inside * cells + beyond / (1.0 + beyond.abs() / tail) + tail
-    }
-
-    /// True when the function shows anything between two values, these included.
-    fn shows(&self, from: f64, to: f64) -> bool {
-        let at_ends = [
-            self.curve.evaluate(from),
-            self.curve.evaluate(to),
-            self.curve.before(to),
-        ];
-        at_ends.iter().any(shows)
-            || self
-                .curve
-                .points
-                .iter()
-                .any(|p| (from..=to).contains(&p.value) && shows(&p.optical))
+        let x = (value - self.first) / self.width;
+        let inner = self.places.len() as f64;
+        let inside = x.clamp(0.0, inner);
+        let beyond = (x - inside) * self.tail;
+        let place = if x < 0.0 {
+            TAIL_CELLS as f64
+        } else if x >= inner {
+            self.end as f64
+        } else {
+            let [start, end] = self.places[inside as usize].map(f64::from);
+            start + (end - start) * inside.fract()
+        };
+        place + beyond / (1.0 + beyond.abs() / TAIL_CELLS as f64)
     }
 
     /// True when a segment whose values lie in a range shows anything, read off the table between its entries. `margin`: what
     /// the device may miss a value by.
     pub(crate) fn visible(&self, range: [f64; 2], margin: f64) -> bool {
-        let last = (self.count() - 1) as f64;
-        // Entries are computed in 32 bits; a value on the function's first point is exact.
+        let last = (self.entries.len() - 1) as f64;
+        // Places are computed in 32 bits; that of the first control point is exact.
         let slack = |value: f64| {
-            if value == self.range[0] && margin == 0.0 {
+            if value == self.first && margin == 0.0 {
                 0.0
             } else {
-                2e-7 * last
+                4e-7 * last
             }
         };
         let low = self.place(range[0] - margin) - slack(range[0]);
         let high = self.place(range[1] + margin) + slack(range[1]);
-        let first = low.floor().clamp(0.0, last - 1.0) as usize;
-        let end = high.ceil().clamp(first as f64 + 1.0, last) as usize;
-        if low == high && low == low.floor() {
-            // One value, on an entry.
+        if low == high && low.fract() == 0.0 {
             return shows(&self.curve.evaluate(range[0]));
         }
+        let first = low.floor().clamp(0.0, last - 1.0) as usize;
+        let end = high.ceil().clamp(first as f64 + 1.0, last) as usize;
         self.shown_before[end] > self.shown_before[first]
     }
 
@@ -163,22 +192,27 @@ impl Preintegration {
     /// extinction (a), as the sum of two floats in two rows; of extinction times emission (rgb), and the entry's value (a),
     /// likewise; colour and extinction at the entry; emission at the entry.
     ///
-    /// Extinctions are optical depths of a whole step, `step` unit distances long; values are in ranges of the function.
+    /// Extinctions are optical depths of a whole step, `step` unit distances long; values are in bins of the transfer table.
     pub(crate) fn texels(&self, step: f64) -> Vec<[f32; 4]> {
-        let mut texels = vec![[0.0f32; 4]; ROWS as usize * self.count()];
+        let count = self.entries.len();
+        let mut texels = vec![[0.0f32; 4]; ROWS as usize * count];
         let mut sums = Integrals::default();
-        for entry in 0..self.count() {
-            if entry > 0 {
-                self.integrate(entry, step, &mut sums);
+        for (at, entry) in self.entries.iter().enumerate() {
+            if at > 0 {
+                self.integrate(self.entries[at - 1].value, entry.value, step, &mut sums);
             }
-            let here = self.curve.evaluate(self.value(entry));
+            let here = if entry.below {
+                self.curve.before(entry.value)
+            } else {
+                self.curve.evaluate(entry.value)
+            };
             let [kr, kg, kb] = sums.color;
             let [er, eg, eb] = sums.emission;
             let pairs = [
                 [kr, kg, kb, sums.extinction],
-                [er, eg, eb, self.place_in_range(entry)],
+                [er, eg, eb, (entry.value - self.first) / self.width],
             ];
-            let mut put = |row: usize, texel: [f32; 4]| texels[row * self.count() + entry] = texel;
+            let mut put = |row: usize, texel: [f32; 4]| texels[row * count + at] = texel;
             for (row, values) in pairs.into_iter().enumerate() {
                 put(2 * row, values.map(|v| v as f32));
                 put(
@@ -194,21 +228,65 @@ impl Preintegration {
         texels
     }
 
-    /// Adds what lies between the entry before and this one.
-    fn integrate(&self, entry: usize, step: f64, sums: &mut Integrals) {
-        let (from, to) = (self.value(entry - 1), self.value(entry));
-        let (_, width) = self.range();
+    /// Adds what lies between two values.
+    fn integrate(&self, from: f64, to: f64, step: f64, sums: &mut Integrals) {
         let mut start = from;
-        let inside = |p: &&crate::scene::CurvePoint| p.value > from && p.value < to;
+        let inside = |p: &&CurvePoint| p.value > from && p.value < to;
         let ends = self.curve.points.iter().filter(inside).map(|p| p.value);
         for end in ends.chain([to]) {
             if end > start {
                 let (a, b) = (self.curve.evaluate(start), self.curve.before(end));
-                sums.add_piece(&a, &b, (end - start) / width, step);
+                sums.add_piece(&a, &b, (end - start) / self.width, step);
             }
             start = end;
         }
     }
+}
+
+/// Divides the cells among the pieces of a transfer function.
+fn pieces(curve: &Curve, first: f64, width: f64, bins: usize) -> Vec<Piece> {
+    let mut pieces: Vec<Piece> = Vec::new();
+    let mut start = 0;
+    for point in &curve.points {
+        let bin = (((point.value - first) / width).round() as usize).min(bins);
+        if bin > start {
+            pieces.push(Piece {
+                bins: [start, bin],
+                end: point.value,
+                cells: CELLS_A_PIECE.min(bin - start),
+            });
+            start = bin;
+        }
+    }
+    let total: usize = pieces.iter().map(|p| p.cells).sum();
+    let wanted = total.clamp(MIN_CELLS, MAX_CELLS) as f64;
+    for piece in &mut pieces {
+        let cells = (piece.cells as f64 * wanted / total as f64) as usize;
+        piece.cells = cells.clamp(1, piece.bins[1] - piece.bins[0]);
+    }
+    pieces
+}
+
+fn push_control_point(entries: &mut Vec<Entry>, curve: &Curve, value: f64) {
+    if curve.before(value) != curve.evaluate(value) {
+        entries.push(Entry { value, below: true });
+    }
+    entries.push(Entry {
+        value,
+        below: false,
+    });
+}
+
+/// True when the function shows anything between two entries, these included.
+fn shows_between(curve: &Curve, from: Entry, to: Entry) -> bool {
+    let inside = |p: &&CurvePoint| p.value > from.value && p.value < to.value;
+    shows(&curve.evaluate(from.value))
+        || shows(&curve.before(to.value))
+        || curve
+            .points
+            .iter()
+            .filter(inside)
+            .any(|p| shows(&p.optical))
 }
 
 fn shows(o: &Optical) -> bool {
@@ -280,10 +358,79 @@ fn mean_depth(a: f64, b: f64, step: f64) -> f64 {
     (mean * step).min(OPAQUE)
 }
 
-impl Preintegration {
-    /// Factor and first sample of `table_place`: from texture samples to the function's range.
-    pub(crate) fn range_from_sample(&self, samples: SampleScale) -> (f64, f64) {
-        let (low, width) = self.range();
-        (samples.scale / width, samples.sample(low))
+#[cfg(test)]
+mod tests {
+    use super::{Entry, Preintegration};
+    use crate::scene::{ColorManagement, ControlPoint, Curve};
+
+    /// Thin tents and a jump.
+    fn curve() -> Curve {
+        let point = |value, opacity| ControlPoint {
+            value,
+            color: [1.0, 0.5, value],
+            opacity,
+            emission: [0.0; 3],
+        };
+        let points = [
+            (0.2, 0.0),
+            (0.21, 0.8),
+            (0.22, 0.0),
+            (0.5, 0.0),
+            (0.52, 0.6),
+            (0.54, 0.0),
+            (0.7, 0.0),
+            (0.7, 0.5),
+            (0.9, 0.9),
+        ];
+        let points: Vec<_> = points.iter().map(|&(v, o)| point(v, o)).collect();
+        Curve::new(1.0, &points, ColorManagement::None)
+    }
+
+    fn table() -> Preintegration {
+        Preintegration::new(&curve(), 0.2, 0.7 / 3500.0, 3500)
+    }
+
+    #[test]
+    fn entries_ascend_and_places_are_theirs() {
+        let table = table();
+        for pair in table.entries.windows(2) {
+            let twins = pair[0].below && pair[0].value == pair[1].value;
+            assert!(twins || pair[0].value < pair[1].value, "{pair:?}");
+        }
+        for (at, entry) in table.entries.iter().enumerate().skip(1) {
+            // The side below a jump is approached, never reached.
+            let Entry { value, below } = *entry;
+            let place = table.place(if below { value - 1e-9 } else { value });
+            let far = at + 2 > table.entries.len();
+            assert!(
+                far || (place - at as f64).abs() < 1e-2,
+                "{entry:?}: {place}, not {at}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_an_interpolated_entry_shows_is_visible() {
+        let table = table();
+        let texels = table.texels(1.0);
+        let count = table.entries.len();
+        let integral = |at: usize| f64::from(texels[at][3]) + f64::from(texels[count + at][3]);
+        let mut hidden = 0;
+        for low in 0..300 {
+            for length in [0.0, 1e-4, 0.003, 0.02, 0.3] {
+                let from = 0.1 + f64::from(low) * 0.003;
+                let to = from + length;
+                let first = table.place(from).floor() as usize;
+                let end = (table.place(to).ceil() as usize).max(first + 1);
+                let shows = integral(end) > integral(first);
+                let visible = table.visible([from, to], 1e-7);
+                assert!(visible || !shows, "[{from}, {to}]");
+                hidden += usize::from(!visible);
+            }
+        }
+        assert!(
+            hidden > 200,
+            "{hidden} ranges are hidden: the test sees both"
+        );
     }
 }

@@ -64,8 +64,8 @@ pub(crate) struct TransferTable {
 impl TransferTable {
     /// Width of the image that holds a table.
     pub(crate) const MAX_TEXELS: u32 = MAX_BINS as u32 + 2;
-    /// Its rows: colour and opacity at starts and at ends of bins, emission likewise.
-    pub(crate) const ROWS: u32 = 4;
+    /// Its rows: colour and opacity at starts and at ends of bins, emission likewise, places in the pre-integrated table.
+    pub(crate) const ROWS: u32 = 5;
 
     /// `preintegrated`: with a table over the two ends of a segment.
     pub(crate) fn new(curve: &Curve, samples: SampleScale, preintegrated: bool) -> Self {
@@ -75,7 +75,7 @@ impl TransferTable {
             values.last().copied().unwrap_or(0.0),
         );
         let (bins, width) = if high > low {
-            let bins = best_cells(&values, MIN_BINS..=MAX_BINS);
+            let bins = best_bins(&values);
             (bins, (high - low) / bins as f64)
         } else {
             // One control point, or a single jump: all the action is at the borders of the padding.
@@ -104,6 +104,7 @@ impl TransferTable {
         }
         starts.push(last_point);
         ends.push(last_point);
+        let preintegration = preintegrated.then(|| Preintegration::new(curve, low, width, bins));
         let mut shown_before = vec![0];
         for (a, b) in starts.iter().zip(&ends) {
             let shown = u32::from(shows(a) || shows(b));
@@ -117,7 +118,7 @@ impl TransferTable {
             starts,
             ends,
             shown_before,
-            preintegration: preintegrated.then(|| Preintegration::new(curve)),
+            preintegration,
         }
     }
 
@@ -144,8 +145,8 @@ impl TransferTable {
         )
     }
 
-    /// Four rows of RGBA: colour and the march's opacity at starts and at ends of bins, then emission and the light pass's
-    /// opacity likewise.
+    /// Rows of RGBA: colour and the march's opacity at starts and at ends of bins, then emission and the light pass's
+    /// opacity likewise. With pre-integration a fifth: where on an axis of its table each bin starts (r) and ends (g).
     ///
     /// Opacities are over a whole sample of each pass wherever that is linear in the bin. Elsewhere they are the function's own,
     /// and the end is marked as `-1 - opacity` (`bin_opacity` in glsl/include/classify.glsl).
@@ -163,6 +164,13 @@ impl TransferTable {
             ];
             for (row, ([r, g, b], a)) in rows.into_iter().enumerate() {
                 texels[row * bins + bin] = [r, g, b, a].map(|c| c as f32);
+            }
+        }
+        if let Some(table) = &self.preintegration {
+            // The first and the last bin lie beyond the function's range.
+            let places = &mut texels[4 * bins + 1..];
+            for (texel, [start, end]) in places.iter_mut().zip(table.places()) {
+                *texel = [*start, *end, 0.0, 0.0];
             }
         }
         texels
@@ -211,13 +219,12 @@ fn shows(o: &Optical) -> bool {
     o.opacity > 0.0 || o.emission.iter().any(|&e| e > 0.0)
 }
 
-/// The number of cells, of those given, that puts ascending values nearest to the borders of cells between the first and the last;
-/// the largest such.
-pub(super) fn best_cells(values: &[f64], allowed: std::ops::RangeInclusive<usize>) -> usize {
+/// The number of bins that puts control points nearest to bin borders; the largest such.
+fn best_bins(values: &[f64]) -> usize {
     let low = values[0];
     let span = values[values.len() - 1] - low;
-    let mut best = (f64::INFINITY, *allowed.end());
-    for bins in allowed.rev() {
+    let mut best = (f64::INFINITY, MAX_BINS);
+    for bins in (MIN_BINS..=MAX_BINS).rev() {
         let mut miss = 0.0f64;
         for v in values {
             let x = (v - low) / span * bins as f64;

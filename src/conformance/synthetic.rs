@@ -125,7 +125,7 @@ pub fn scene(
         transfer_function: TransferFunction {
             unit_distance: Some(unit_distance),
             points: Some(points),
-            preset: None,
+            ..Default::default()
         },
         march: March {
             early_termination: 1.0,

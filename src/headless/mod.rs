@@ -126,7 +126,7 @@ impl Headless {
     /// [`Error::Invalid`] for scenes that are not valid, [`Error::OutOfMemory`], [`Error::Unsupported`].
     pub fn load(&self, volume: Arc<Volume>, scene: &Scene) -> Result<Session> {
         let settings = Settings::of_scene(scene, &volume)?;
-        let view = scene.camera.view(&volume, scene.image.size)?;
+        let view = scene.view(&volume, &settings.curve)?;
         Session::new(
             self.device.clone(),
             volume,

@@ -1,17 +1,18 @@
-//! Archives, unpacked into memory: nothing is written to disk, so that no name in one can lead anywhere.
+//! Archives, unpacked into memory: no name in one can lead anywhere. `packed` alone writes members to disk.
 //!
-//! ZIP (PKWARE, *APPNOTE.TXT*) with stored and deflated members, and POSIX tar, plain, gzip or xz.
+//! ZIP (PKWARE, *APPNOTE.TXT*) with stored and deflated members, and POSIX tar, plain, gzip or xz; gzip and xz of one
+//! file.
 
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, Read, Seek as _};
 use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
 use lzma_rust2::XzReader;
 
-use super::Limits;
 use super::bundle::{Bundle, Member, check_count};
 use super::source::{GZIP_MAGIC, bad, gunzipped_head, read_error};
+use super::{Limits, xz_claims};
 use crate::error::{Error, Result};
 
 /// An archive that unpacks to more than this many times its size, and to more than [`FREE_BYTES`], is a bomb.
@@ -22,27 +23,32 @@ const FREE_BYTES: u64 = 64 << 20;
 const XZ_MAGIC: &[u8] = b"\xfd7zXZ\0";
 /// Where a tar header names its format, and how.
 const USTAR: (usize, &[u8]) = (257, b"ustar");
+/// Bytes of a tar header.
+const TAR_BLOCK: u64 = 512;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Zip,
     Tar,
     TarGz,
-    TarXz,
+    /// One file.
+    Gzip,
+    /// Of one file, or of a tar archive: what it is takes memory to know.
+    Xz,
 }
 
 impl Kind {
     /// What the start of a file says.
     pub(super) fn of(head: &[u8]) -> Option<Self> {
-        let is_tar = |head: &[u8]| head.get(USTAR.0..).is_some_and(|h| h.starts_with(USTAR.1));
         if head.starts_with(b"PK\x03\x04") || head.starts_with(b"PK\x05\x06") {
             Some(Self::Zip)
         } else if is_tar(head) {
             Some(Self::Tar)
         } else if head.starts_with(XZ_MAGIC) {
-            Some(Self::TarXz)
-        } else if head.starts_with(GZIP_MAGIC) && is_tar(&gunzipped_head(head, 512)) {
-            Some(Self::TarGz)
+            Some(Self::Xz)
+        } else if head.starts_with(GZIP_MAGIC) {
+            let tar = is_tar(&gunzipped_head(head, 512));
+            Some(if tar { Self::TarGz } else { Self::Gzip })
         } else {
             None
         }
@@ -52,7 +58,7 @@ impl Kind {
     pub(super) fn unpack(self, path: &Path, limits: &Limits) -> Result<Bundle> {
         let file = File::open(path).map_err(|e| Error::io(path, e))?;
         let packed = file.metadata().map_err(|e| Error::io(path, e))?.len();
-        let file = BufReader::new(file);
+        let mut file = BufReader::new(file);
         let allowed = packed
             .saturating_mul(MAX_RATIO)
             .max(FREE_BYTES)
@@ -68,10 +74,19 @@ impl Kind {
             Self::Zip => unpacked.zip(file)?,
             Self::Tar => unpacked.tar(file)?,
             Self::TarGz => unpacked.tar(MultiGzDecoder::new(file))?,
-            Self::TarXz => unpacked.tar(XzReader::new(file, true))?,
+            Self::Gzip => unpacked.one(MultiGzDecoder::new(file))?,
+            Self::Xz => {
+                xz_claims::check(path, &mut file)?;
+                file.rewind().map_err(|e| Error::io(path, e))?;
+                unpacked.tar_or_one(XzReader::new(file, true))?;
+            }
         }
         Ok(Bundle::new(path, unpacked.members))
     }
+}
+
+fn is_tar(head: &[u8]) -> bool {
+    head.get(USTAR.0..).is_some_and(|h| h.starts_with(USTAR.1))
 }
 
 /// An archive on its way into memory.
@@ -90,7 +105,7 @@ impl Unpacked<'_> {
         for i in 0..archive.len() {
             let member = archive.by_index(i).map_err(damaged)?;
             if member.is_file() {
-                let (name, size) = (member.name().to_owned(), member.size());
+                let (name, size) = (member.name().to_owned(), Some(member.size()));
                 self.take(name, size, member)?;
             }
         }
@@ -104,15 +119,37 @@ impl Unpacked<'_> {
             let entry = entry.map_err(|e| tar_error(path, e))?;
             if entry.header().entry_type().is_file() {
                 let name = String::from_utf8_lossy(&entry.path_bytes()).into_owned();
-                let size = entry.size();
+                let size = Some(entry.size());
                 self.take(name, size, entry)?;
             }
         }
         Ok(())
     }
 
-    /// Reads one member of a claimed size.
-    fn take(&mut self, name: String, size: u64, member: impl Read) -> Result<()> {
+    fn tar_or_one(&mut self, mut stream: impl Read) -> Result<()> {
+        let mut start = Vec::new();
+        stream
+            .by_ref()
+            .take(TAR_BLOCK)
+            .read_to_end(&mut start)
+            .map_err(|e| tar_error(self.path, e))?;
+        let tar = is_tar(&start);
+        let whole = start.as_slice().chain(stream);
+        if tar {
+            self.tar(whole)
+        } else {
+            self.one(whole)
+        }
+    }
+
+    /// A compressed file, called as the archive is but for its last ending.
+    fn one(&mut self, file: impl Read) -> Result<()> {
+        let name = self.path.file_stem().unwrap_or_default();
+        self.take(name.to_string_lossy().into_owned(), None, file)
+    }
+
+    /// Reads one member, of a size that is claimed.
+    fn take(&mut self, name: String, size: Option<u64>, member: impl Read) -> Result<()> {
         check_count(self.path, self.members.len(), self.limits)?;
         let too_much = |allowed: u64| {
             bad(
@@ -122,7 +159,7 @@ impl Unpacked<'_> {
                 ),
             )
         };
-        if size > self.left {
+        if size.is_some_and(|size| size > self.left) {
             return Err(too_much(self.allowed));
         }
         // The claim is not believed before the bytes are there.
@@ -135,7 +172,7 @@ impl Unpacked<'_> {
         if read > self.left {
             return Err(too_much(self.allowed));
         }
-        if read != size {
+        if let Some(size) = size.filter(|&size| size != read) {
             return Err(bad(
                 self.path,
                 format!("{name:?} has {read} bytes; its header says {size}"),
@@ -148,7 +185,7 @@ impl Unpacked<'_> {
     }
 }
 
-/// The tar reader reports damage as errors of kind `Other`.
+/// The readers of tar and xz report damage as errors of kind `Other`.
 fn tar_error(path: &Path, error: std::io::Error) -> Error {
     match error.kind() {
         std::io::ErrorKind::Other => bad(path, format!("the archive is damaged: {error}")),

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::fs::File;
-use std::io::Read;
+use std::io::{Read, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::Limits;
@@ -117,18 +117,7 @@ impl Member {
             Data::Bytes(bytes) => return Ok(Cow::Borrowed(bytes)),
             Data::File(path) => path,
         };
-        let io = |e| Error::io(path, e);
-        let file = File::open(path).map_err(io)?;
-        let len = file.metadata().map_err(io)?.len();
-        if len > limits.max_bytes {
-            return Err(bad(
-                path,
-                format!("it has {len} bytes; the limit is {}", limits.max_bytes),
-            ));
-        }
-        let mut bytes = super::payload::reserve(len as usize)?;
-        file.take(len).read_to_end(&mut bytes).map_err(io)?;
-        Ok(Cow::Owned(bytes))
+        Ok(Cow::Owned(whole_file(path, limits)?))
     }
 
     /// Something to read the file from, forward.
@@ -140,6 +129,45 @@ impl Member {
             )),
         })
     }
+
+    /// Fills `out` from a place of the file, without a buffer in between. Gives back how many bytes there are.
+    pub(super) fn read_at(&self, offset: u64, out: &mut [u8]) -> Result<usize> {
+        match &self.data {
+            Data::Bytes(bytes) => {
+                let start = usize::try_from(offset).unwrap_or(usize::MAX);
+                let there = bytes.get(start..).unwrap_or_default();
+                let got = there.len().min(out.len());
+                for (out, &byte) in out.iter_mut().zip(there) {
+                    *out = byte;
+                }
+                Ok(got)
+            }
+            Data::File(path) => {
+                let mut read = || {
+                    let mut file = File::open(path)?;
+                    file.seek(SeekFrom::Start(offset))?;
+                    super::payload::read_full(&mut file, out)
+                };
+                read().map_err(|e| Error::io(path, e))
+            }
+        }
+    }
+}
+
+/// All bytes of a file, if they are no more than a volume may have.
+pub(super) fn whole_file(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
+    let io = |e| Error::io(path, e);
+    let file = File::open(path).map_err(io)?;
+    let len = file.metadata().map_err(io)?.len();
+    if len > limits.max_bytes {
+        return Err(bad(
+            path,
+            format!("it has {len} bytes; the limit is {}", limits.max_bytes),
+        ));
+    }
+    let mut bytes = super::payload::reserve(len as usize)?;
+    file.take(len).read_to_end(&mut bytes).map_err(io)?;
+    Ok(bytes)
 }
 
 fn collect(

@@ -9,6 +9,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use super::components::Components;
 use super::element::Element;
 use super::formats::FileReader;
 use super::grid::{self, Grid};
@@ -106,6 +107,7 @@ fn volume(
         endian: Endian::Big,
         coding: Coding::Raw,
         skip: 0,
+        components: Components::ONE,
     };
     let voxels = payload.decode(source, options)?;
     let world_from_ix = grid::placement(&path, "spacing", DVec3::AXES, DVec3::ZERO)?;

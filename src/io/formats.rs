@@ -9,6 +9,9 @@ use crate::volume::Volume;
 
 /// Every format that is recognised by content, in the order of asking.
 pub const FORMATS: &[Format] = &[
+    // Known by the names of its files alone; others look into each.
+    #[cfg(feature = "zarr")]
+    super::zarr::FORMAT,
     nrrd::FORMAT,
     nifti::FORMAT,
     metaimage::FORMAT,
@@ -21,6 +24,8 @@ pub const FORMATS: &[Format] = &[
     super::numpy::FORMAT,
     super::fits::FORMAT,
     super::vti::FORMAT,
+    #[cfg(feature = "vdb")]
+    super::vdb::FORMAT,
 ];
 
 /// A kind of file, or of files that make a volume together.
@@ -37,7 +42,7 @@ pub struct Format {
     pub(super) bundle: Option<BundleReader>,
 }
 
-type ReadFile = fn(&Path, &ReadOptions<'_>) -> Result<Volume>;
+pub(super) type ReadFile = fn(&Path, &ReadOptions<'_>) -> Result<Volume>;
 type ReadBundle = fn(&Bundle, &ReadOptions<'_>) -> Result<Volume>;
 
 pub(super) struct FileReader {
@@ -71,6 +76,11 @@ impl Format {
         let reader = self.bundle.as_ref()?;
         (reader.recognise)(bundle).then_some(reader.read)
     }
+}
+
+/// The reader of a file, from its first bytes and its path.
+pub(super) fn file_reader(head: &[u8], path: &Path) -> Option<ReadFile> {
+    FORMATS.iter().find_map(|f| f.file_reader(head, path))
 }
 
 pub(super) fn unrecognised(path: &Path) -> Error {

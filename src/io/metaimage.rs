@@ -8,20 +8,21 @@ use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DVec3};
 
+use super::components::Components;
 use super::element::Element;
 use super::formats::FileReader;
 use super::grid::{self, Grid};
 use super::payload::{Coding, Payload};
 use super::source::{self, Source};
-use super::{Format, ReadOptions, detached, text};
+use super::{Format, ReadOptions, detached, parts, text};
 use crate::error::{Error, Result};
 use crate::scene::Endian;
-use crate::volume::{Rescale, Volume};
+use crate::volume::{Content, Metadata, Rescale, Volume};
 
 pub(super) const FORMAT: Format = Format {
     name: "MetaImage",
     extensions: &["mha", "mhd"],
-    reads: "one 3-D or 4-D image, attached or detached, raw, zlib or text",
+    reads: "3-D or 4-D, attached, detached or in several files, raw, zlib or text; channels",
     file: Some(FileReader { recognise, read }),
     bundle: None,
 };
@@ -39,6 +40,13 @@ const TYPES: &[(&str, Element)] = &[
     ("MET_LONG_LONG", Element::I64),
     ("MET_FLOAT", Element::F32),
     ("MET_DOUBLE", Element::F64),
+];
+
+const MODALITIES: &[(&str, Content)] = &[
+    ("MET_MOD_CT", Content::Ct),
+    ("MET_MOD_MR", Content::Mr),
+    ("MET_MOD_NM", Content::Nuclear),
+    ("MET_MOD_US", Content::Ultrasound),
 ];
 
 const BOOLEANS: &[(&str, bool)] = &[
@@ -150,14 +158,6 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
     if let Some(kind) = header.get("ObjectType") {
         text::one_of(path, "ObjectType", kind, &[("Image", ())])?;
     }
-    if let Some(channels) = header.get("ElementNumberOfChannels") {
-        text::one_of(
-            path,
-            "ElementNumberOfChannels (of a scalar volume)",
-            channels,
-            &[("1", ())],
-        )?;
-    }
     let element = text::one_of(path, "ElementType", header.required("ElementType")?, TYPES)?;
     let sizes = text::sizes(path, "DimSize", header.required("DimSize")?)?;
     if sizes.len() != header.dimension {
@@ -168,6 +168,12 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
         )));
     }
     let grid = Grid::new(path, "DimSize", &sizes, element, options)?;
+    let channels = match header.get("ElementNumberOfChannels") {
+        Some(channels) => text::number(path, "ElementNumberOfChannels", channels)?,
+        None => 1,
+    };
+    let colour = matches!(channels, 3 | 4);
+    let components = Components::of(path, channels, element, colour, options.channel)?;
     let world_from_ix = world_from_ix(&header)?;
     let rescale = Rescale {
         slope: header.float("ElementToIntensityFunctionSlope", 1.0)?,
@@ -178,26 +184,84 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
         .try_fold(false, |big, key| Ok::<_, Error>(big | header.flag(key)?))?;
     let endian = if big { Endian::Big } else { Endian::Little };
 
-    let data_file = header.required(DATA_FILE)?;
-    if !data_file.eq_ignore_ascii_case("LOCAL") {
-        if data_file.starts_with("LIST") || data_file.contains('%') {
-            return Err(header.bad(format!(
-                "{DATA_FILE} {data_file:?}: data in several files are not read; valid are LOCAL and one file"
-            )));
-        }
-        source = detached::open(path, DATA_FILE, data_file)?;
-    }
     let coding = coding(&header)?;
-    skip_header(&header, &mut source, coding, grid)?;
     let payload = Payload {
         grid,
         element,
         endian,
         coding,
         skip: 0,
+        components,
     };
-    let voxels = payload.decode(source, options)?;
-    grid::volume(path, voxels, grid, world_from_ix, rescale)
+    let skipped = header.skipped_bytes(coding)?;
+    let voxels = match header.data(&mut source, options)? {
+        Data::Local => {
+            skip_header(skipped, &mut source, payload.bytes(grid.all_bytes))?;
+            payload.decode(source, options)?
+        }
+        Data::File(mut source) => {
+            skip_header(skipped, &mut source, payload.bytes(grid.all_bytes))?;
+            payload.decode(source, options)?
+        }
+        Data::Files(files) => {
+            let to_data =
+                move |source: &mut Source, bytes| skip_header(skipped, source, bytes).map(|()| 0);
+            payload.decode_files(path, files, to_data, options)?
+        }
+    };
+    let volume = grid::volume(path, voxels, grid, world_from_ix, rescale)?;
+    let modality = header.get("Modality").unwrap_or_default();
+    let oriented = header.get("AnatomicalOrientation").is_some();
+    let metadata = Metadata::stated("MetaImage Modality", modality, MODALITIES);
+    Ok(volume.with_metadata(metadata.with_patient_axes(oriented)))
+}
+
+/// Where the voxels are.
+enum Data {
+    /// After the header.
+    Local,
+    File(Source),
+    Files(Vec<PathBuf>),
+}
+
+impl Header {
+    /// `LOCAL`, a file's name, `LIST` with the names on the lines that follow, or a pattern and three numbers.
+    fn data(&self, source: &mut Source, options: &ReadOptions<'_>) -> Result<Data> {
+        let value = self.required(DATA_FILE)?;
+        let words: Vec<&str> = value.split_whitespace().collect();
+        let limits = &options.limits;
+        let names = match words.as_slice() {
+            [local] if local.eq_ignore_ascii_case("LOCAL") => return Ok(Data::Local),
+            ["LIST"] | ["LIST", _] => parts::listed(source, limits)?,
+            [pattern, min, max, step] if pattern.contains('%') => {
+                let number = |text| text::number(&self.path, DATA_FILE, text);
+                let numbers = [number(min)?, number(max)?, number(step)?];
+                parts::numbered(&self.path, DATA_FILE, pattern, numbers, limits)?
+            }
+            _ => return detached::open(&self.path, DATA_FILE, value).map(Data::File),
+        };
+        parts::files(&self.path, DATA_FILE, &names).map(Data::Files)
+    }
+
+    /// `HeaderSize`, which is how many bytes lie before the data; `None` where the data are the end of the file.
+    fn skipped_bytes(&self, coding: Coding) -> Result<Option<u64>> {
+        let Some(value) = self.get("HeaderSize") else {
+            return Ok(Some(0));
+        };
+        match value.parse::<i64>() {
+            Ok(-1) if coding == Coding::Raw => Ok(None),
+            Ok(bytes @ 0..) => Ok(Some(bytes.unsigned_abs())),
+            _ => Err(self.bad(format!(
+                "HeaderSize {value:?}: a number of bytes from 0 is valid, and -1 for uncompressed binary data"
+            ))),
+        }
+    }
+}
+
+/// Goes to the data of a file, which has so many bytes of them.
+fn skip_header(skipped: Option<u64>, source: &mut Source, bytes: u64) -> Result<()> {
+    let before = skipped.unwrap_or_else(|| source.remaining().saturating_sub(bytes));
+    source.advance(before, "HeaderSize")
 }
 
 fn coding(header: &Header) -> Result<Coding> {
@@ -208,23 +272,6 @@ fn coding(header: &Header) -> Result<Coding> {
         (false, true) => Ok(Coding::Ascii),
         (false, false) => Ok(Coding::Raw),
     }
-}
-
-/// `HeaderSize` bytes lie before the data; with -1 the data are the end of the file.
-fn skip_header(header: &Header, source: &mut Source, coding: Coding, grid: Grid) -> Result<()> {
-    let Some(value) = header.get("HeaderSize") else {
-        return Ok(());
-    };
-    let bad = || {
-        header.bad(format!(
-            "HeaderSize {value:?}: a number of bytes from 0 is valid, and -1 for uncompressed binary data"
-        ))
-    };
-    let bytes = match value.parse::<i64>().map_err(|_| bad())? {
-        -1 if coding == Coding::Raw => source.remaining().saturating_sub(grid.all_bytes),
-        bytes => u64::try_from(bytes).map_err(|_| bad())?,
-    };
-    source.advance(bytes, "HeaderSize")
 }
 
 /// World (mm, LPS) from voxel index.

@@ -7,11 +7,14 @@
 
 #[cfg(feature = "archives")]
 mod archive;
+#[cfg(feature = "blosc")]
+mod blosc;
 #[cfg_attr(
     not(feature = "formats"),
     allow(dead_code, reason = "each reader of several files is a feature")
 )]
 mod bundle;
+mod components;
 mod detached;
 #[cfg(feature = "dicom")]
 mod dicom;
@@ -22,14 +25,19 @@ mod grid;
 #[cfg(feature = "dicom")]
 mod jpeg_size;
 mod metaimage;
+mod named_raw;
 mod narrow;
 mod nifti;
 mod nrrd;
 mod numpy;
+#[cfg(feature = "archives")]
+mod packed;
+mod parts;
 mod payload;
 #[cfg(feature = "image-stacks")]
 mod pictures;
 mod raw;
+mod refused;
 mod reorder;
 #[cfg(feature = "image-stacks")]
 mod slices;
@@ -38,7 +46,16 @@ mod text;
 mod text_data;
 #[cfg(feature = "image-stacks")]
 mod tiff;
+mod units;
+#[cfg(feature = "vdb")]
+mod vdb;
 mod vti;
+#[cfg(any(feature = "dicom", feature = "image-stacks"))]
+mod watched;
+#[cfg(feature = "archives")]
+mod xz_claims;
+#[cfg(feature = "zarr")]
+mod zarr;
 
 use std::path::Path;
 
@@ -55,11 +72,14 @@ pub struct ReadOptions<'a> {
     /// What the header would have said. When given, the file is read as headerless, whatever it looks like.
     pub raw: Option<RawDescription>,
     /// Which series of a DICOM folder: its UID, its number, or the start of its description. Default: the largest.
+    /// Which grid of an OpenVDB file: its name. Default: the first.
     pub series: Option<String>,
     /// Which volume of a file that holds several, from 0. Default: the first.
     pub timestep: Option<u32>,
     /// Which component of a voxel that has several, from 0. Default: the first; of colours, luminance.
     pub channel: Option<u32>,
+    /// Which resolution of a file that has several, from 0, the finest. Default: the finest within the limits.
+    pub level: Option<u32>,
     /// Refuse what would have to be resampled or guessed.
     pub strict: bool,
     /// The largest volume that is accepted.
@@ -76,6 +96,7 @@ impl From<&VolumeSource> for ReadOptions<'_> {
             series: source.series.clone(),
             timestep: source.timestep,
             channel: source.channel,
+            level: source.level,
             strict: source.strict,
             ..Self::default()
         }
@@ -132,15 +153,42 @@ pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
     if path.is_dir() {
         return read_bundle(&Bundle::folder(path, &options.limits)?, options);
     }
-    let head = source::head(path, HEAD_BYTES)?;
-    if let Some(read) = FORMATS.iter().find_map(|f| f.file_reader(&head, path)) {
-        return read(path, options);
-    }
     #[cfg(feature = "archives")]
-    if let Some(archive) = archive::Kind::of(&head) {
-        return read_bundle(&archive.unpack(path, &options.limits)?, options);
+    {
+        let head = source::head(path, HEAD_BYTES)?;
+        let plain = reader_of(&head, path).is_some();
+        if let Some(archive) = archive::Kind::of(&head).filter(|_| !plain) {
+            let bundle = archive.unpack(path, &options.limits)?;
+            return match FORMATS.iter().find_map(|f| f.bundle_reader(&bundle)) {
+                Some(read) => read(&bundle, options),
+                None => packed::read(&bundle, options),
+            };
+        }
     }
-    Err(formats::unrecognised(path))
+    read_file(path, options)
+}
+
+/// Reads one file that is no archive.
+fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
+    let head = source::head(path, HEAD_BYTES)?;
+    match reader_of(&head, path) {
+        Some(Reader::Format(read)) => read(path, options),
+        Some(Reader::Raw(name)) => named_raw::read(path, &name, options),
+        None => Err(refused::why(path, &head).unwrap_or_else(|| formats::unrecognised(path))),
+    }
+}
+
+/// How a file is read.
+enum Reader {
+    Format(formats::ReadFile),
+    /// Headerless, of a name that says what it is.
+    Raw(named_raw::Name),
+}
+
+/// By content, else by a name that describes it.
+fn reader_of(head: &[u8], path: &Path) -> Option<Reader> {
+    let format = formats::file_reader(head, path).map(Reader::Format);
+    format.or_else(|| named_raw::Name::of(path).map(Reader::Raw))
 }
 
 fn read_bundle(bundle: &Bundle, options: &ReadOptions<'_>) -> Result<Volume> {

@@ -1,8 +1,11 @@
 //! Voxel types wider than a volume holds, narrowed without changing a value.
 
-use super::element::Stored;
+use std::path::Path;
+
+use super::element::{Element, Stored};
 use super::payload::reserve;
-use crate::error::Result;
+use super::source::bad;
+use crate::error::{Error, Result};
 use crate::volume::Voxels;
 
 /// A stored number that a volume does not hold as it is.
@@ -124,6 +127,33 @@ impl Narrowed {
             Self::F32(held) => Voxels::F32(held),
         }
     }
+}
+
+/// A whole array, narrowed.
+#[cfg(any(feature = "vdb", feature = "zarr"))]
+pub(super) fn narrowed<T: Wide>(path: &Path, element: Element, values: Vec<T>) -> Result<Voxels> {
+    let mut narrow = Narrowed::new(values.len())?;
+    match narrow.extend(&values, values.len())? {
+        None => Ok(narrow.into_voxels()),
+        Some(at) => Err(not_exact(path, at, values.get(at), element)),
+    }
+}
+
+/// Says which value no type of a volume holds.
+pub(super) fn not_exact<T: Wide>(
+    path: &Path,
+    voxel: usize,
+    value: Option<&T>,
+    element: Element,
+) -> Error {
+    let value = value.map(T::to_string).unwrap_or_default();
+    bad(
+        path,
+        format!(
+            "voxel {voxel} of type {element} is {value}, which a 32-bit float cannot hold exactly; \
+             convert the file to u8, i8, u16, i16 or f32"
+        ),
+    )
 }
 
 /// Appends converted values up to the first that does not convert; how many were taken.

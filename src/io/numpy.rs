@@ -9,6 +9,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::bundle::{Bundle, Member};
+use super::components::Components;
 use super::element::Element;
 use super::formats::{BundleReader, FileReader};
 use super::grid::{self, Grid};
@@ -102,6 +103,7 @@ fn read(mut source: Source, options: &ReadOptions<'_>) -> Result<Volume> {
         endian: header.endian,
         coding: Coding::Raw,
         skip: 0,
+        components: Components::ONE,
     };
     let mut voxels = payload.decode(source, options)?;
     let mut grid = file_grid;

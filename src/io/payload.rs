@@ -2,19 +2,25 @@
 
 use std::fmt;
 use std::io::{self, Read};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use bzip2::bufread::MultiBzDecoder;
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 
 use super::ReadOptions;
+use super::components::{ComponentReader, Components};
 use super::element::{Element, Stored};
 use super::grid::Grid;
-use super::narrow::{Narrowed, Wide};
+use super::narrow::{Narrowed, Wide, not_exact};
+use super::parts::Parts;
 use super::source::{Source, read_error};
 use super::text_data::{AsciiDecoder, HexDecoder};
 use crate::error::{Error, Result};
 use crate::scene::Endian;
 use crate::volume::Voxels;
+
+/// bzip2 puts runs of up to 259 bytes as 5 into blocks of 900,000, and a block of one run into some 40 bytes.
+const MAX_BZIP2_RATIO: u64 = 1 << 21;
 
 /// Bytes read at a time: large reads, yet still in the cache when bytes are swapped.
 const CHUNK_BYTES: usize = 1 << 20;
@@ -37,6 +43,7 @@ pub(super) enum Coding {
     Ascii,
     /// Two hexadecimal digits per byte.
     Hex,
+    Bzip2,
 }
 
 impl fmt::Display for Coding {
@@ -47,6 +54,7 @@ impl fmt::Display for Coding {
             Self::Zlib => "zlib",
             Self::Ascii => "text",
             Self::Hex => "hexadecimal",
+            Self::Bzip2 => "bzip2",
         })
     }
 }
@@ -60,37 +68,72 @@ pub(super) struct Payload {
     pub(super) coding: Coding,
     /// Bytes before the first voxel, counted after decompression.
     pub(super) skip: u64,
+    /// Numbers of each voxel, of which one is kept.
+    pub(super) components: Components,
 }
 
 impl Payload {
     /// Reads the voxels, from where `source` stands.
     pub(super) fn decode(&self, mut source: Source, options: &ReadOptions<'_>) -> Result<Voxels> {
-        self.check_length(&source)?;
+        let what = format!(
+            "{:?} voxels of {}",
+            self.grid.size,
+            self.components.of_type(self.element)
+        );
+        let bytes = self.bytes(self.grid.bytes);
+        self.coding
+            .check_length(&source, [self.skip_all(), bytes], self.element, &what)?;
         let path = source.path().to_path_buf();
         let mut skip = self.skip_all();
-        let reader: Box<dyn Read> = match self.coding {
-            Coding::Raw => {
-                source.advance(std::mem::take(&mut skip), "the header")?;
-                Box::new(source)
-            }
-            Coding::Gzip => Box::new(MultiGzDecoder::new(source)),
-            Coding::Zlib => Box::new(ZlibDecoder::new(source)),
-            Coding::Ascii => Box::new(AsciiDecoder::new(source, self.element)),
-            Coding::Hex => Box::new(HexDecoder::new(source)),
-        };
-        let big = match self.coding {
-            Coding::Ascii => cfg!(target_endian = "big"),
-            _ => self.endian == Endian::Big,
+        if self.coding == Coding::Raw {
+            source.advance(std::mem::take(&mut skip), "the header")?;
+        }
+        let reader = self.coding.decoder(source, self.element);
+        self.decode_from(path, reader, skip, options)
+    }
+
+    /// Reads voxels that lie in several files. `to_data` goes to where those of one begin (see [`Parts::new`]).
+    pub(super) fn decode_files(
+        &self,
+        header: &Path,
+        files: Vec<PathBuf>,
+        to_data: impl Fn(&mut Source, u64) -> Result<u64> + 'static,
+        options: &ReadOptions<'_>,
+    ) -> Result<Voxels> {
+        let (coding, element) = (self.coding, self.element);
+        let bytes = self.bytes(self.grid.all_bytes);
+        let decoder = move |source| coding.decoder(source, element);
+        let parts = Parts::new(header, files, bytes, (coding, element), to_data, decoder)?;
+        let skip = self.bytes(self.grid.bytes_before);
+        self.decode_from(header.to_path_buf(), Box::new(parts), skip, options)
+    }
+
+    fn decode_from(
+        &self,
+        path: PathBuf,
+        reader: Box<dyn Read>,
+        skip: u64,
+        options: &ReadOptions<'_>,
+    ) -> Result<Voxels> {
+        let endian = match self.coding {
+            Coding::Ascii if cfg!(target_endian = "big") => Endian::Big,
+            Coding::Ascii => Endian::Little,
+            _ => self.endian,
         };
         let mut stream = Stream {
             path,
             reader,
-            swap: big != cfg!(target_endian = "big"),
+            swap: (endian == Endian::Big) != cfg!(target_endian = "big"),
             element: self.element,
             grid: self.grid,
             options,
         };
         stream.skip(skip)?;
+        if self.components != Components::ONE {
+            let all = std::mem::replace(&mut stream.reader, Box::new(io::empty()));
+            let kept = ComponentReader::new(all, self.components, self.element, endian);
+            stream.reader = Box::new(kept);
+        }
         let voxels = match self.element {
             Element::U8 => Voxels::U8(stream.fill()?),
             Element::I8 => Voxels::I8(stream.fill()?),
@@ -104,36 +147,63 @@ impl Payload {
             Element::I64 => stream.narrow::<i64>()?,
             Element::F64 => stream.narrow::<f64>()?,
         };
-        if matches!(self.coding, Coding::Gzip | Coding::Zlib) {
+        if matches!(self.coding, Coding::Gzip | Coding::Zlib | Coding::Bzip2) {
             stream.reach_checksum()?;
         }
         Ok(voxels)
     }
 
-    /// Bytes before the first voxel that is wanted.
-    fn skip_all(&self) -> u64 {
-        self.skip.saturating_add(self.grid.bytes_before)
+    /// Bytes of all components, from those of one.
+    pub(super) fn bytes(&self, of_one: u64) -> u64 {
+        of_one.saturating_mul(self.components.count as u64)
     }
 
-    /// Refuses, before anything is allocated, what the rest of the file cannot hold.
-    fn check_length(&self, source: &Source) -> Result<()> {
+    /// Bytes before the first voxel that is wanted.
+    fn skip_all(&self) -> u64 {
+        let before = self.bytes(self.grid.bytes_before);
+        self.skip.saturating_add(before)
+    }
+}
+
+impl Coding {
+    fn decoder(self, source: Source, element: Element) -> Box<dyn Read> {
+        match self {
+            Self::Raw => Box::new(source),
+            Self::Gzip => Box::new(MultiGzDecoder::new(source)),
+            Self::Zlib => Box::new(ZlibDecoder::new(source)),
+            Self::Bzip2 => Box::new(MultiBzDecoder::new(source)),
+            Self::Ascii => Box::new(AsciiDecoder::new(source, element)),
+            Self::Hex => Box::new(HexDecoder::new(source)),
+        }
+    }
+
+    /// Refuses, before anything is allocated, decoded data that the rest of the file cannot hold: bytes that are skipped
+    /// and bytes of voxels.
+    pub(super) fn check_length(
+        self,
+        source: &Source,
+        [skip, voxels]: [u64; 2],
+        element: Element,
+        what: &str,
+    ) -> Result<()> {
+        let bytes = skip.saturating_add(voxels);
         let have = source.remaining();
-        let need = self.skip_all().saturating_add(self.grid.bytes);
-        let least = match self.coding {
-            Coding::Raw => need,
-            Coding::Gzip | Coding::Zlib => need / MAX_DEFLATE_RATIO,
-            Coding::Ascii => (self.grid.voxels as u64)
+        let least = match self {
+            Self::Raw => bytes,
+            Self::Gzip | Self::Zlib => bytes / MAX_DEFLATE_RATIO,
+            Self::Bzip2 => bytes / MAX_BZIP2_RATIO,
+            // A digit for each number, and what parts it from the next.
+            Self::Ascii => (bytes / element.bytes())
                 .saturating_mul(2)
                 .saturating_sub(1),
-            Coding::Hex => self.grid.bytes.saturating_mul(2),
+            Self::Hex => bytes.saturating_mul(2),
         };
         if have >= least {
             return Ok(());
         }
         Err(source.bad(format!(
-            "{:?} voxels of type {} are {} bytes; as {} data after {} bytes of header they take at least \
-             {least} bytes, the file has {have}: it is cut short or its header is wrong",
-            self.grid.size, self.element, self.grid.bytes, self.coding, self.skip
+            "{what} are {voxels} bytes; as {self} data after {skip} bytes of header they take at least {least} bytes, \
+             the file has {have}: it is cut short or its header is wrong"
         )))
     }
 }
@@ -171,15 +241,11 @@ impl Stream<'_> {
             chunk.truncate(count - start);
             self.read_chunk(&mut chunk, start)?;
             if let Some(at) = narrowed.extend(&chunk, count)? {
-                let value = chunk.get(at).map(T::to_string).unwrap_or_default();
-                return Err(Error::volume(
+                return Err(not_exact(
                     &self.path,
-                    format!(
-                        "voxel {} of type {} is {value}, which a 32-bit float cannot hold exactly; \
-                         convert the file to u8, i8, u16, i16 or f32",
-                        start + at,
-                        self.element
-                    ),
+                    start + at,
+                    chunk.get(at),
+                    self.element,
                 ));
             }
             start += chunk.len();
@@ -242,7 +308,7 @@ const fn per_chunk<T>() -> usize {
 }
 
 /// Reads until the piece is full or the data ends.
-fn read_full(reader: &mut dyn Read, mut out: &mut [u8]) -> io::Result<usize> {
+pub(super) fn read_full(reader: &mut dyn Read, mut out: &mut [u8]) -> io::Result<usize> {
     let mut total = 0;
     while !out.is_empty() {
         match reader.read(out) {
@@ -256,6 +322,15 @@ fn read_full(reader: &mut dyn Read, mut out: &mut [u8]) -> io::Result<usize> {
         }
     }
     Ok(total)
+}
+
+/// An array of zeros, written by all cores: most of the time goes into the pages that the system gives.
+#[cfg(any(feature = "dicom", feature = "image-stacks"))]
+pub(super) fn zeroed<T: bytemuck::Zeroable + Copy + Send + Sync>(count: usize) -> Result<Vec<T>> {
+    use rayon::iter::IndexedParallelIterator;
+    let mut zeros = reserve(count)?;
+    rayon::iter::repeat_n(T::zeroed(), count).collect_into_vec(&mut zeros);
+    Ok(zeros)
 }
 
 /// An empty array with exactly the room that is needed.

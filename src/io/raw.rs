@@ -5,12 +5,13 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::ReadOptions;
+use super::components::Components;
 use super::element::Element;
 use super::grid::{self, Grid};
 use super::payload::{Coding, Payload};
 use super::source::{self, GZIP_MAGIC, Source};
 use crate::error::{Error, Result};
-use crate::scene::{RawDescription, RawType};
+use crate::scene::{Endian, RawDescription, RawType};
 use crate::volume::{Rescale, Volume};
 
 /// Reads a file that is exactly what the description says, as it is or gzip-compressed.
@@ -26,14 +27,41 @@ pub(super) fn read(
         RawType::I16 => Element::I16,
         RawType::F32 => Element::F32,
     };
-    let axes = description.size.map(u64::from);
+    let layout = Layout {
+        element,
+        size: description.size,
+        spacing: description.spacing,
+        endian: description.endian,
+        offset: description.offset,
+    };
+    read_as(path, &layout, "volume.raw", options)
+}
+
+/// What a header would have said.
+pub(super) struct Layout {
+    pub(super) element: Element,
+    pub(super) size: [u32; 3],
+    pub(super) spacing: [f64; 3],
+    pub(super) endian: Endian,
+    pub(super) offset: u64,
+}
+
+/// Reads a file that is exactly that. `who` says it.
+pub(super) fn read_as(
+    path: &Path,
+    layout: &Layout,
+    who: &str,
+    options: &ReadOptions<'_>,
+) -> Result<Volume> {
+    let element = layout.element;
+    let axes = layout.size.map(u64::from);
     let at = |key: &str, error: Error| match error {
-        Error::Volume { message, .. } => Error::invalid(format!("volume.raw.{key}"), message),
+        Error::Volume { message, .. } => Error::invalid(format!("{who}.{key}"), message),
         other => other,
     };
     let grid = Grid::new(path, "size", &axes, element, options).map_err(|e| at("size", e))?;
-    let spacing = grid::positive_spacing(path, "spacing", description.spacing)
-        .map_err(|e| at("spacing", e))?;
+    let spacing =
+        grid::positive_spacing(path, "spacing", layout.spacing).map_err(|e| at("spacing", e))?;
     let [x, y, z] = DVec3::AXES;
     let world_from_ix = grid::placement(
         path,
@@ -44,7 +72,7 @@ pub(super) fn read(
     .map_err(|e| at("spacing", e))?;
 
     let source = Source::open(path)?;
-    let needed = description.offset.saturating_add(grid.bytes);
+    let needed = layout.offset.saturating_add(grid.bytes);
     let fits = source.remaining() == needed;
     let gzip = source::head(path, GZIP_MAGIC.len())? == GZIP_MAGIC;
     // Voxels may start as gzip does; where the length fits too, the name decides.
@@ -59,9 +87,9 @@ pub(super) fn read(
         Coding::Raw
     } else {
         let mismatch = format!(
-            "volume.raw describes {needed} bytes (offset {} + {:?} voxels of type {element}), the file has {}",
-            description.offset,
-            description.size,
+            "{who} describes {needed} bytes (offset {} + {:?} voxels of type {element}), the file has {}",
+            layout.offset,
+            layout.size,
             source.remaining()
         );
         return Err(source.bad(mismatch));
@@ -69,9 +97,10 @@ pub(super) fn read(
     let payload = Payload {
         grid,
         element,
-        endian: description.endian,
+        endian: layout.endian,
         coding,
-        skip: description.offset,
+        skip: layout.offset,
+        components: Components::ONE,
     };
     let voxels = payload.decode(source, options)?;
     grid::volume(path, voxels, grid, world_from_ix, Rescale::default())

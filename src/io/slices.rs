@@ -1,19 +1,19 @@
 //! Pictures of one size, stacked: each is a slice, the first lies at z = 0.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
 
 use rayon::prelude::*;
 
 use super::ReadOptions;
+use super::components::{LUMA, Pick};
 use super::element::Element;
 use super::grid::Grid;
-use super::payload::{MAX_DEFLATE_RATIO, reserve};
+use super::payload::{MAX_DEFLATE_RATIO, zeroed};
 use super::source::bad;
+use super::watched::watched;
 use crate::error::Result;
 use crate::volume::{VoxelType, Voxels};
-
-/// Shares of red, green and blue in luminance (ITU-R BT.709, 3.2), of the values as stored.
-const LUMA: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 /// One decoded picture, rows from the top.
 pub(super) struct Picture {
@@ -61,28 +61,6 @@ pub(super) fn check_claim(path: &Path, [columns, rows]: [u32; 2], file_len: u64)
     ))
 }
 
-/// What of a pixel becomes the voxel.
-#[derive(Clone, Copy)]
-enum Pick {
-    Channel(usize),
-    Luma,
-}
-
-impl Pick {
-    /// The channel asked for; else luminance of colours; else the first.
-    fn of(path: &Path, channels: usize, asked: Option<u32>) -> Result<Self> {
-        match asked.map(|c| c as usize) {
-            Some(c) if c < channels => Ok(Self::Channel(c)),
-            Some(c) => Err(bad(
-                path,
-                format!("volume.channel {c} of {channels} channels; the first is 0"),
-            )),
-            None if channels >= 3 => Ok(Self::Luma),
-            None => Ok(Self::Channel(0)),
-        }
-    }
-}
-
 /// Decodes all slices in parallel, each straight to its place. `decode` gives slice `k`; `path_of` names it.
 pub(super) fn stack(
     path: &Path,
@@ -95,7 +73,7 @@ pub(super) fn stack(
     let axes = [first.columns.into(), first.rows.into(), count as u64];
     let keys = "columns, rows, pictures";
     let grid = Grid::of_one(path, keys, axes, first.element(), &options.limits)?;
-    let pick = Pick::of(path, first.channels, options.channel)?;
+    let pick = Pick::of(path, first.channels, first.channels >= 3, options.channel)?;
     let stack = Stack {
         first: &first,
         grid,
@@ -158,7 +136,7 @@ where
     D: Fn(usize) -> Result<Picture> + Sync,
     P: Fn(usize) -> PathBuf + Sync,
 {
-    fn fill<T: Copy + Default + Into<f32> + Send + Sync>(
+    fn fill<T: bytemuck::Zeroable + Copy + Into<f32> + Send + Sync>(
         &self,
         samples_of: impl Fn(&Voxels) -> Option<&Vec<T>> + Sync,
         from_luma: impl Fn(f32) -> T + Sync,
@@ -172,39 +150,31 @@ where
             progress,
         } = self;
         let [x, y, z] = grid.size.map(|n| n as usize);
-        let mut voxels = reserve(grid.voxels)?;
-        voxels.resize(grid.voxels, T::default());
-        // Progress is told by the calling thread alone, between pieces of work.
-        let piece = (z / 32).max(8);
-        for (p, slices) in voxels.chunks_mut(x * y * piece).enumerate() {
-            slices
-                .par_chunks_mut(x * y)
-                .enumerate()
-                .try_for_each(|(k, out)| {
-                    let k = p * piece + k;
-                    let picture = decode(k)?;
-                    let same = [picture.columns, picture.rows] == [first.columns, first.rows]
-                        && picture.channels == first.channels;
-                    match samples_of(&picture.samples) {
-                        Some(samples) if same => {
-                            pick_samples(samples, picture.channels, *pick, out, &from_luma);
-                            Ok(())
-                        }
-                        _ => Err(bad(
-                            &path_of(k),
-                            format!(
-                                "this picture has {}, the first one of the stack {}",
-                                picture.describe(),
-                                first.describe()
-                            ),
-                        )),
+        let mut voxels = zeroed(grid.voxels)?;
+        let slice_bytes = grid.bytes / z as u64;
+        let slices = voxels.par_chunks_mut(x * y).enumerate();
+        watched(*progress, grid.bytes, |done| {
+            slices.try_for_each(|(k, out)| {
+                let picture = decode(k)?;
+                let same = [picture.columns, picture.rows] == [first.columns, first.rows]
+                    && picture.channels == first.channels;
+                match samples_of(&picture.samples) {
+                    Some(samples) if same => {
+                        pick_samples(samples, picture.channels, *pick, out, &from_luma);
+                        done.fetch_add(slice_bytes, Ordering::Relaxed);
+                        Ok(())
                     }
-                })?;
-            if let Some(progress) = progress {
-                let done = ((p + 1) * piece).min(z) as u64;
-                progress(grid.bytes / z as u64 * done, grid.bytes);
-            }
-        }
+                    _ => Err(bad(
+                        &path_of(k),
+                        format!(
+                            "this picture has {}, the first one of the stack {}",
+                            picture.describe(),
+                            first.describe()
+                        ),
+                    )),
+                }
+            })
+        })?;
         Ok(voxels)
     }
 }
@@ -217,12 +187,12 @@ fn pick_samples<T: Copy + Into<f32>>(
     from_luma: &impl Fn(f32) -> T,
 ) {
     match pick {
-        Pick::Channel(0) if channels == 1 => {
+        Pick::Component(0) if channels == 1 => {
             for (out, &sample) in out.iter_mut().zip(samples) {
                 *out = sample;
             }
         }
-        Pick::Channel(c) => {
+        Pick::Component(c) => {
             for (out, &sample) in out.iter_mut().zip(samples.iter().skip(c).step_by(channels)) {
                 *out = sample;
             }

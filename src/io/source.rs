@@ -33,7 +33,7 @@ impl Source {
     pub(super) fn open(path: &Path) -> Result<Self> {
         let io = |e| Error::io(path, e);
         // Asked before opening: opening a pipe would wait for its writer.
-        let meta = std::fs::metadata(path).map_err(io)?;
+        let meta = std::fs::metadata(path).map_err(|e| cannot_open(path, e))?;
         if !meta.is_file() {
             let what = if meta.is_dir() {
                 "a folder"
@@ -180,6 +180,16 @@ pub(super) fn read_error(path: &Path, error: io::Error) -> Error {
         }
         _ => Error::io(path, error),
     }
+}
+
+/// A path that leads nowhere is the caller's to mend, whatever keeps it from leading somewhere: links in a circle, names
+/// that are too long, bytes that no name has.
+fn cannot_open(path: &Path, error: io::Error) -> Error {
+    let error = Error::io(path, error);
+    if error.is_bad_input() {
+        return error;
+    }
+    bad(path, format!("cannot open it: {error}"))
 }
 
 /// Up to `most` bytes from the start of a file; none of a folder.

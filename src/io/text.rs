@@ -22,6 +22,16 @@ pub(super) fn numbers<T: FromStr>(
         .collect()
 }
 
+/// One whole number.
+pub(super) fn number<T: FromStr>(path: &Path, key: &str, text: &str) -> Result<T> {
+    text.trim().parse().map_err(|_| {
+        source::bad(
+            path,
+            format!("{key}: {text:?} is not a whole number in range"),
+        )
+    })
+}
+
 /// Sizes of axes.
 pub(super) fn sizes(path: &Path, key: &str, text: &str) -> Result<Vec<u64>> {
     numbers(path, key, text, "a number of voxels")

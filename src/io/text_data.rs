@@ -68,7 +68,8 @@ impl<R: BufRead> Read for AsciiDecoder<R> {
     }
 }
 
-fn bytes_of(token: &str, element: Element) -> Option<Vec<u8>> {
+/// A number's bytes in the machine's order.
+pub(super) fn bytes_of(token: &str, element: Element) -> Option<Vec<u8>> {
     macro_rules! parse {
         ($t:ty) => {
             token.parse::<$t>().ok()?.to_ne_bytes().to_vec()

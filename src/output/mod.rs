@@ -1,11 +1,14 @@
-//! Pictures and light volumes to files: PNG, EXR, NRRD.
+//! Pictures and light volumes to files: PNG, EXR, NRRD; plots of transfer functions and contact sheets.
 //!
 //! Every file appears whole or not at all: it is written beside its place under another name, then renamed.
 
 mod atomic;
+mod canvas;
 mod exr;
 mod nrrd;
+mod plot;
 mod png;
+mod sheet;
 
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -16,6 +19,8 @@ use crate::scene::Image;
 
 pub use atomic::write_bytes;
 pub use nrrd::write_light;
+pub use plot::{PlotHistogram, write_plot};
+pub use sheet::{Frame, write_sheet};
 
 /// Where a picture came from, as keyword and text; goes into the file's metadata.
 pub type Provenance<'a> = &'a [(&'a str, String)];

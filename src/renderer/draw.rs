@@ -41,9 +41,7 @@ impl Loaded {
         let gradient = volume.world_from_ix().matrix3.inverse().transpose();
         let bins = self.table.bins() as f32;
         let preintegration = self.table.preintegration();
-        let (table_from_sample, table_first) =
-            preintegration.map_or((0.0, 0.0), |p| p.range_from_sample(self.table.samples()));
-        let table_cells = preintegration.map_or(1.0, |p| p.cells() as f32);
+        let (table_end, table_tail) = preintegration.map_or((0.0, 0.0), |p| p.ends());
         VolumeParams {
             field_ix: volume.size().map(|n| (n - 1) as f32),
             bin_from_sample: bin_from_sample as f32,
@@ -54,11 +52,11 @@ impl Loaded {
             skip_extent: self.residency.cells.counts().map(|n| n as i32),
             bins,
             gradient_x_ws: gradient.x_axis.as_vec3().to_array(),
-            table_first: table_first as f32,
+            table_end: table_end as f32,
             gradient_y_ws: gradient.y_axis.as_vec3().to_array(),
-            table_from_sample: table_from_sample as f32,
+            table_tail: table_tail as f32,
             gradient_z_ws: gradient.z_axis.as_vec3().to_array(),
-            table_cells,
+            pad0: 0.0,
         }
     }
 

@@ -34,7 +34,7 @@ pub enum Camera {
         /// Height of the picture, mm, > 0.
         height: f64,
     },
-    /// Frames the whole volume, upright in LPS (superior is up).
+    /// Frames the volume, upright in LPS (superior is up).
     Auto {
         /// Turn about the vertical, degrees; 0 looks from anterior to posterior, positive from the patient's left. Default 30.
         #[serde(default = "default_azimuth")]
@@ -42,10 +42,24 @@ pub enum Camera {
         /// Height above the horizon, degrees, -90 to 90. Default 20.
         #[serde(default = "default_elevation")]
         elevation: f64,
-        /// Magnification, > 0; 1 frames the bounding sphere. Default 1.
+        /// Magnification, > 0; at 1 all of what is framed is in the picture. Default 1.
         #[serde(default = "default_zoom")]
         zoom: f64,
+        /// What is framed. Default "volume"; "visible" for volumes without a scene.
+        #[serde(default)]
+        frame: Framed,
     },
+}
+
+/// What the automatic camera frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Framed {
+    /// The bounding sphere of the whole volume, whatever can be seen of it.
+    #[default]
+    Volume,
+    /// What the transfer function shows, tightly. The picture moves when that changes.
+    Visible,
 }
 
 fn default_azimuth() -> f64 {
@@ -64,12 +78,13 @@ impl Default for Camera {
             azimuth: default_azimuth(),
             elevation: default_elevation(),
             zoom: default_zoom(),
+            frame: Framed::default(),
         }
     }
 }
 
 /// Full vertical angle of view of the automatic camera at zoom 1, degrees.
-const AUTO_FOV_Y: f64 = 30.0;
+pub(super) const AUTO_FOV_Y: f64 = 30.0;
 
 /// Below this sine between line of sight and `up`, rounding would decide which way is up.
 const MIN_UP_SINE: f64 = 1e-6;
@@ -114,6 +129,7 @@ impl Camera {
                 azimuth,
                 elevation,
                 zoom,
+                frame: _,
             } => {
                 require(
                     finite(azimuth),
@@ -132,7 +148,8 @@ impl Camera {
         }
     }
 
-    /// The view of a picture of `size` pixels. Only the automatic camera looks at the volume and at `size`.
+    /// The view of a picture of `size` pixels. Only the automatic camera looks at the volume and at `size`; it frames
+    /// the whole volume. [`super::Scene::view`] frames what can be seen, where that is asked for.
     ///
     /// # Errors
     /// As [`Camera::validate`].
@@ -158,6 +175,7 @@ impl Camera {
                 azimuth,
                 elevation,
                 zoom,
+                frame: _,
             } => Ok(frame(volume, size, azimuth, elevation, zoom)),
         }
     }
@@ -204,23 +222,29 @@ fn look_at(eye: [f64; 3], target: [f64; 3], up: [f64; 3], projection: Projection
 /// picture at zoom 1. Zoom narrows the angle of view, so that the eye never enters the volume.
 fn frame(volume: &Volume, size: [u32; 2], azimuth: f64, elevation: f64, zoom: f64) -> View {
     let (center, radius) = bounding_sphere(volume);
-    let (sin_a, cos_a) = azimuth.to_radians().sin_cos();
-    let (sin_e, cos_e) = elevation.to_radians().sin_cos();
-    let backward = DVec3::new(sin_a * cos_e, -cos_a * cos_e, sin_e);
-    // Derivative of `backward` by elevation: perpendicular to it, and defined at the poles.
-    let up = DVec3::new(-sin_a * sin_e, cos_a * sin_e, cos_e);
+    let [right, up, backward] = auto_axes(azimuth, elevation);
     let [width, height] = size.map(f64::from);
     let tan_half = (0.5 * AUTO_FOV_Y.to_radians()).tan();
     let narrower = (tan_half * (width / height).min(1.0)).atan();
     View {
         eye: center + backward * (radius / narrower.sin()),
-        right: up.cross(backward),
+        right,
         up,
         forward: -backward,
         projection: Projection::Perspective {
             fov_y: 2.0 * (tan_half / zoom).atan(),
         },
     }
+}
+
+/// Right, up and backward (towards the eye) of the automatic camera; angles in degrees.
+pub(super) fn auto_axes(azimuth: f64, elevation: f64) -> [DVec3; 3] {
+    let (sin_a, cos_a) = azimuth.to_radians().sin_cos();
+    let (sin_e, cos_e) = elevation.to_radians().sin_cos();
+    let backward = DVec3::new(sin_a * cos_e, -cos_a * cos_e, sin_e);
+    // Derivative of `backward` by elevation: perpendicular to it, and defined at the poles.
+    let up = DVec3::new(-sin_a * sin_e, cos_a * sin_e, cos_e);
+    [up.cross(backward), up, backward]
 }
 
 /// Centre and radius (mm) of the smallest sphere about the middle of the field that holds its eight corners.

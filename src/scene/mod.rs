@@ -3,24 +3,32 @@
 //! Every struct here is both the scene file's JSON (unknown keys are errors) and the library's settings.
 
 mod ambient_occlusion;
-mod automatic;
+mod boundaries;
 mod camera;
 mod color;
+mod content;
 mod directions;
+mod first_picture;
+mod framing;
+mod histogram;
 mod image;
 mod lighting;
 mod march;
+mod palette;
 mod parse;
 mod presets;
 mod schema;
 mod storage;
+mod transfer_file;
 mod transfer_function;
 mod validate;
 
 pub use ambient_occlusion::AmbientOcclusion;
-pub use camera::{Camera, Projection, View};
+pub use camera::{Camera, Framed, Projection, View};
 pub use color::{ColorManagement, linear_from_srgb, srgb_from_linear};
+pub use content::{Guess, Modality};
 pub use directions::{DirectionSet, directions};
+pub use first_picture::FirstPicture;
 pub use image::Image;
 pub use lighting::{Gradient, Lighting, OpticalModel, Shading};
 pub use march::{Classification, Interpolation, Isosurface, March, RayProjection, Surface};
@@ -28,6 +36,7 @@ pub use parse::{Override, is_scene_file};
 pub use presets::{PRESETS, Preset};
 pub use schema::schema;
 pub use storage::Storage;
+pub use transfer_file::{TRANSFER_TOLERANCE, TransferFile, TransferFormat};
 pub use transfer_function::{ControlPoint, Curve, CurvePoint, Optical, TransferFunction};
 pub(crate) use validate::check_together;
 pub use validate::{
@@ -76,6 +85,7 @@ pub struct VolumeSource {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub raw: Option<RawDescription>,
     /// Which series of a DICOM folder: its UID, its number, or the start of its description. Default: the largest.
+    /// Which grid of an OpenVDB file: its name. Default: the first.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub series: Option<String>,
     /// Which volume of a file that holds several in time, from 0. Default: the first.
@@ -84,6 +94,9 @@ pub struct VolumeSource {
     /// Which component of voxels that have several, from 0. Default: the first; of colours, luminance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub channel: Option<u32>,
+    /// Which resolution of an OME-Zarr image, from 0, the finest. Default: the finest within the limits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub level: Option<u32>,
     /// Refuse what would have to be resampled (uneven or missing slices) or guessed (no spacing). Default false.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub strict: bool,

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{ColorManagement, automatic, presets};
+use super::{ColorManagement, Guess, TransferFile, presets, transfer_file};
 use crate::error::Result;
 use crate::volume::Volume;
 
@@ -26,7 +26,8 @@ pub struct ControlPoint {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TransferFunction {
-    /// Length that opacities refer to, mm, > 0. Default 1 with `points`, else the smallest spacing of the volume.
+    /// Length that opacities refer to, mm, > 0. Default 1 with `points`; with `file`, what that says; else the smallest
+    /// spacing of the volume.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit_distance: Option<f64>,
     /// Control points, by value ascending; two of equal value make a jump.
@@ -35,19 +36,37 @@ pub struct TransferFunction {
     /// A built-in function, in place of `points`. With neither, one is chosen for what the file holds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
+    /// A file of ParaView (JSON, XML), 3D Slicer (.vp, .vp.json) or ours, in place of `points`; relative to the scene file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<std::path::PathBuf>,
+    /// Lowest and highest value that the range of `file` is stretched to, as ParaView rescales presets. Default: as in the file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range: Option<[f64; 2]>,
 }
 
 impl TransferFunction {
-    /// Explicit points, the named preset, or one chosen for what `volume` holds, with colours decoded.
+    /// Explicit points, the named preset, the file's function, or one chosen for what `volume` holds, with colours decoded.
     ///
     /// # Errors
-    /// [`crate::Error::Invalid`] as [`TransferFunction::validate`].
+    /// [`crate::Error::Invalid`] as [`TransferFunction::validate`]; what [`TransferFile::read`] says of the file.
     pub fn curve(&self, volume: &Volume, colors: ColorManagement) -> Result<Curve> {
         self.validate()?;
-        let (points, default_unit) = match (&self.points, &self.preset) {
-            (Some(points), _) => (points.clone(), 1.0),
-            (None, Some(name)) => (presets::find(name)?.control_points(), volume.min_spacing()),
-            (None, None) => (automatic::control_points(volume)?, volume.min_spacing()),
+        let preset = |name: &str| {
+            let points = presets::find(name)?.control_points(volume);
+            Ok((points, volume.min_spacing()))
+        };
+        let (points, default_unit) = match (&self.points, &self.preset, &self.file) {
+            (Some(points), ..) => (points.clone(), 1.0),
+            (None, Some(name), _) => preset(name)?,
+            (None, None, Some(path)) => {
+                let file = TransferFile::read(path)?;
+                let mut points = file.control_points(colors);
+                if let Some(range) = self.range {
+                    transfer_file::stretch(&mut points, range);
+                }
+                (points, file.unit_distance.unwrap_or(volume.min_spacing()))
+            }
+            (None, None, None) => preset(Guess::of(volume).preset)?,
         };
         let unit_distance = self.unit_distance.unwrap_or(default_unit);
         Ok(Curve::new(unit_distance, &points, colors))

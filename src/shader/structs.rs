@@ -26,16 +26,16 @@ gpu_struct! {
         pub bins: f32,
         /// World gradient of index x: columns of the inverse transpose of `world_from_ix`.
         pub gradient_x_ws: [f32; 3],
-        /// Texture sample at which the transfer function's first control point lies.
-        pub table_first: f32,
+        /// Place on an axis of the preintegrated table of the last control point.
+        pub table_end: f32,
         /// World gradient of index y.
         pub gradient_y_ws: [f32; 3],
-        /// 1 / (texture samples from the first control point to the last).
-        pub table_from_sample: f32,
+        /// Cells of that table per bin, beyond the function's range.
+        pub table_tail: f32,
         /// World gradient of index z.
         pub gradient_z_ws: [f32; 3],
-        /// Cells of the preintegrated table from the first control point to the last.
-        pub table_cells: f32,
+        /// Unused.
+        pub pad0: f32,
     }
 }
 

@@ -10,11 +10,14 @@ pub mod cells;
 mod filter;
 mod fingerprint;
 pub mod layout;
+mod metadata;
 pub mod select;
 pub mod statistics;
 mod summary;
 mod texel;
+mod thin;
 
+pub use metadata::{Content, Metadata};
 pub use summary::{HISTOGRAM_BINS, Histogram, Percentiles, Summary};
 
 use glam::{DAffine3, DVec3};
@@ -155,6 +158,7 @@ pub struct Volume {
     stored_range: [f64; 2],
     /// Voxels that were NaN or infinite and were set to the smallest finite value.
     non_finite: u64,
+    metadata: Metadata,
 }
 
 impl Volume {
@@ -220,6 +224,7 @@ impl Volume {
             rescale,
             stored_range,
             non_finite,
+            metadata: Metadata::default(),
         })
     }
 
@@ -234,6 +239,16 @@ impl Volume {
             DAffine3::from_scale(DVec3::from_array(spacing)),
             Rescale::default(),
         )
+    }
+
+    /// The same volume, with what its file says of it.
+    pub fn with_metadata(self, metadata: Metadata) -> Self {
+        Self { metadata, ..self }
+    }
+
+    /// What its file says of it; nothing by default.
+    pub fn metadata(&self) -> &Metadata {
+        &self.metadata
     }
 
     /// Voxels as stored, x fastest.
@@ -328,8 +343,10 @@ impl Volume {
 fn finite_range(voxels: &mut Voxels) -> Result<([f64; 2], u64)> {
     use rayon::prelude::*;
     fn range<T: Copy + Ord + Send + Sync>(v: &[T]) -> Option<(T, T)> {
+        // By value: compilers make vector code of this, and not of minima of references.
+        let widen = |(lo, hi): (T, T), &x: &T| (lo.min(x), hi.max(x));
         v.par_chunks(1 << 16)
-            .filter_map(|c| Some((*c.iter().min()?, *c.iter().max()?)))
+            .filter_map(|c| c.first().map(|&x| c.iter().fold((x, x), widen)))
             .reduce_with(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
     let empty = || Error::invalid("volume", "there are no voxels");

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 mod conformance;
 mod probe;
 mod reproduce;
+mod transfer;
 mod workplace;
 
 use workplace::Workplace;
@@ -23,6 +24,7 @@ fn help_and_version_are_results() {
         "render",
         "info",
         "probe",
+        "tf",
         "light",
         "bench",
         "conformance",
@@ -301,10 +303,10 @@ fn assert_stats(stats: &Value) {
 }
 
 /// Size of a picture, and whether its middle shows the ball and its corner the background.
-fn assert_shows_ball(path: &Path, size: [u32; 2]) {
+fn assert_shows_ball(path: &Path, size: [u32; 2], background: [u8; 3]) {
     let picture = image::open(path).unwrap().to_rgb8();
     assert_eq!(picture.dimensions(), size.into());
-    assert_eq!(picture.get_pixel(0, 0).0, [0, 0, 0]);
+    assert_eq!(picture.get_pixel(0, 0).0, background);
     let middle = picture.get_pixel(size[0] / 2, size[1] / 2).0;
     assert!(middle.iter().all(|&c| c > 30), "{middle:?}");
 }
@@ -334,7 +336,7 @@ fn scenes_render_to_every_output_at_once() {
             "stats.json"
         ]
     );
-    assert_shows_ball(&place.path("a.png"), [24, 16]);
+    assert_shows_ball(&place.path("a.png"), [24, 16], [0; 3]);
     assert!(
         fs::read(place.path("b.exr"))
             .unwrap()
@@ -357,7 +359,7 @@ fn volumes_render_without_a_scene() {
         "image.size=[24,16]",
     ];
     place.succeed(&args);
-    assert_shows_ball(&place.path("a.png"), [24, 16]);
+    assert_shows_ball(&place.path("a.png"), [24, 16], [23, 26, 31]);
 }
 
 #[test]
@@ -517,7 +519,7 @@ fn formats_are_listed() {
     let place = Workplace::new();
     let formats: Value = serde_json::from_str(&place.succeed(&["formats", "--json"])).unwrap();
     let names = formats.to_string();
-    for name in ["NRRD", "NIfTI", "MetaImage", "DICOM"] {
+    for name in ["NRRD", "NIfTI", "MetaImage", "DICOM", "OpenVDB", "OME-Zarr"] {
         assert!(names.contains(name), "{names}");
     }
 }

@@ -59,7 +59,7 @@ fn test_scene(
         transfer_function: TransferFunction {
             unit_distance: Some(unit_distance),
             points: Some(points.clone()),
-            preset: None,
+            ..Default::default()
         },
         march: Default::default(),
         lighting: Default::default(),

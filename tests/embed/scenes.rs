@@ -57,7 +57,7 @@ impl Subject {
     }
 }
 
-fn subject(volume: Volume, camera: Camera, points: Vec<ControlPoint>) -> Subject {
+pub(crate) fn subject(volume: Volume, camera: Camera, points: Vec<ControlPoint>) -> Subject {
     Subject {
         volume: Arc::new(volume),
         scene: Scene {
@@ -70,7 +70,7 @@ fn subject(volume: Volume, camera: Camera, points: Vec<ControlPoint>) -> Subject
             transfer_function: TransferFunction {
                 unit_distance: Some(1.0),
                 points: Some(points),
-                preset: None,
+                ..Default::default()
             },
             march: March::default(),
             lighting: Lighting::default(),
@@ -113,6 +113,7 @@ pub(crate) fn spheres() -> Subject {
         azimuth: 25.0,
         elevation: 15.0,
         zoom: 1.2,
+        frame: Default::default(),
     };
     subject(volume, camera, rise(40.0, 200.0, 0.5))
 }

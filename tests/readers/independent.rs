@@ -1,12 +1,11 @@
-//! Files that other libraries wrote, see `tests/data/generate/volumes.py`: every voxel, and where it lies.
+//! Files that other libraries wrote, see `tests/data/generate`: every voxel, and where it lies.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use serde_json::Value;
-use umbravox::io::{Limits, ReadOptions, read};
+use umbravox::io::{ReadOptions, read};
 use umbravox::scene::VolumeSource;
 
 use super::{Scratch, assert_placed, assert_refused};
@@ -16,8 +15,17 @@ fn folder() -> PathBuf {
 }
 
 fn expected() -> BTreeMap<String, Vec<Value>> {
-    let text = std::fs::read_to_string(folder().join("expected.json")).unwrap();
-    serde_json::from_str(&text).unwrap()
+    let files = std::fs::read_dir(folder())
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    let lists = files.filter(|path| path.extension().is_some_and(|e| e == "json"));
+    let mut all = BTreeMap::new();
+    for list in lists {
+        let text = std::fs::read_to_string(list).unwrap();
+        let list: BTreeMap<String, Vec<Value>> = serde_json::from_str(&text).unwrap();
+        all.extend(list);
+    }
+    all
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
@@ -35,6 +43,8 @@ fn options(case: &Value) -> ReadOptions<'static> {
     let source = VolumeSource {
         timestep: key("timestep"),
         channel: key("channel"),
+        level: key("level"),
+        series: case.get("series").map(|v| v.as_str().unwrap().to_owned()),
         ..VolumeSource::default()
     };
     ReadOptions::from(&source)
@@ -43,7 +53,7 @@ fn options(case: &Value) -> ReadOptions<'static> {
 #[test]
 fn every_voxel_and_its_place() {
     let all = expected();
-    assert!(all.len() >= 25, "{} files", all.len());
+    assert!(all.len() >= 60, "{} files", all.len());
     for (name, cases) in all {
         for case in cases {
             let path = folder().join(&name);
@@ -157,106 +167,4 @@ fn folders_and_single_files() {
         assert_eq!(volume.voxels(), from_archive.voxels());
         assert_eq!(volume.world_from_ix(), from_archive.world_from_ix());
     }
-}
-
-fn small() -> Limits {
-    Limits {
-        max_voxels: 1 << 16,
-        max_bytes: 1 << 20,
-        max_archive_bytes: 1 << 20,
-        ..Limits::default()
-    }
-}
-
-/// Cut anywhere, a file is refused; or read as the whole one is, where what is gone says nothing of this volume
-/// (padding, another channel).
-#[test]
-fn cut_files_are_refused() {
-    let scratch = Scratch::new();
-    for name in expected().keys() {
-        let bytes = std::fs::read(folder().join(name)).unwrap();
-        let whole = read(&folder().join(name), &ReadOptions::default()).unwrap();
-        for len in (0..bytes.len()).step_by(bytes.len() / 300 + 1) {
-            let path = scratch.file(&format!("cut/{name}"), &bytes[..len]);
-            match read(&path, &ReadOptions::default()) {
-                Ok(volume) => assert_eq!(volume.voxels(), whole.voxels(), "{name} cut to {len}"),
-                Err(error) => assert!(error.is_bad_input(), "{name} cut to {len}: {error}"),
-            }
-        }
-        std::fs::remove_file(scratch.0.path().join("cut").join(name)).unwrap();
-    }
-}
-
-/// Whatever a byte becomes, the file is read within the limits or refused as bad input.
-#[test]
-fn altered_files_are_read_or_refused() {
-    let scratch = Scratch::new();
-    let options = ReadOptions {
-        limits: small(),
-        ..ReadOptions::default()
-    };
-    for name in expected().keys() {
-        let mut bytes = std::fs::read(folder().join(name)).unwrap();
-        for at in (0..bytes.len()).step_by(bytes.len() / 250 + 1) {
-            let original = bytes[at];
-            for altered in [0, 0xff, original ^ 1] {
-                bytes[at] = altered;
-                let path = scratch.file(&format!("altered/{name}"), &bytes);
-                let start = Instant::now();
-                let result = read(&path, &options);
-                let took = start.elapsed();
-                assert!(took < Duration::from_secs(1), "{name} at {at}: {took:?}");
-                match result {
-                    Ok(volume) => assert!(volume.voxels().len() <= 1 << 16),
-                    Err(error) => assert!(error.is_bad_input(), "{name} at {at}: {error}"),
-                }
-            }
-            bytes[at] = original;
-        }
-        std::fs::remove_file(scratch.0.path().join("altered").join(name)).unwrap();
-    }
-}
-
-/// A member that unpacks to far more than its archive could honestly hold.
-#[test]
-fn archive_bombs_are_refused() {
-    let scratch = Scratch::new();
-    let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
-    zip.start_file("a.dcm", zip::write::SimpleFileOptions::default())
-        .unwrap();
-    let zeros = vec![0; 1 << 20];
-    for _ in 0..100 {
-        std::io::Write::write_all(&mut zip, &zeros).unwrap();
-    }
-    let bytes = zip.finish().unwrap().into_inner();
-    assert!(bytes.len() < 200_000);
-    let path = scratch.file("bomb.zip", &bytes);
-    assert_refused(
-        &path,
-        &ReadOptions::default(),
-        &["bomb.zip", "unpacks to more"],
-    );
-}
-
-/// Sequences inside sequences, deeper than any object has them, must not exhaust the stack.
-#[test]
-fn deep_dicom_sequences_are_refused() {
-    let scratch = Scratch::new();
-    let mut bytes = vec![0; 128];
-    bytes.extend(b"DICM");
-    let syntax = b"1.2.840.10008.1.2.1\0";
-    let mut meta = Vec::new();
-    meta.extend([2, 0, 0x10, 0, b'U', b'I', syntax.len() as u8, 0]);
-    meta.extend(syntax);
-    bytes.extend([2, 0, 0, 0, b'U', b'L', 4, 0]);
-    bytes.extend((meta.len() as u32).to_le_bytes());
-    bytes.extend(meta);
-    for _ in 0..200_000 {
-        bytes.extend([
-            0x08, 0, 0x15, 0x11, b'S', b'Q', 0, 0, 0xff, 0xff, 0xff, 0xff,
-        ]);
-        bytes.extend([0xfe, 0xff, 0x00, 0xe0, 0xff, 0xff, 0xff, 0xff]);
-    }
-    let path = scratch.file("deep.dcm", &bytes);
-    assert_refused(&path, &ReadOptions::default(), &["deep.dcm"]);
 }

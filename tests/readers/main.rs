@@ -1,13 +1,17 @@
 //! Readers of volume files, against files written byte by byte and against independent readers.
 
-mod damaged;
+#[cfg(feature = "formats")]
+mod chunked;
 #[cfg(feature = "formats")]
 mod independent;
 mod metaimage;
 mod nifti;
 mod nrrd;
+mod parts;
 mod raw;
 mod shipped;
+#[cfg(feature = "formats")]
+mod sparse;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -260,8 +260,8 @@ fn wrong_headers_name_the_key() {
         ),
         (
             spacing,
-            "ElementNumberOfChannels = 3",
-            ["ElementNumberOfChannels", "\"3\""],
+            "ElementNumberOfChannels = 0",
+            ["0 channels", "1 to"],
         ),
         (
             spacing,
@@ -318,7 +318,7 @@ fn wrong_headers_name_the_key() {
             ["rescale", "slope"],
         ),
         (spacing, "no assignment", ["line", "no assignment"]),
-        ("= LOCAL", "= LIST", ["ElementDataFile", "LIST"]),
+        ("= LOCAL", "= LIST", ["ElementDataFile", "not there"]),
         (
             "= LOCAL",
             "= slice%03d.raw",

@@ -269,7 +269,7 @@ fn voxels_start_where_the_header_says() {
 type Spoil = (fn(&mut Nifti), [&'static str; 2]);
 
 const SPOILS: &[Spoil] = &[
-    (|h| h.datatype(128), ["datatype", "128"]),
+    (|h| h.datatype(1536), ["datatype", "1536"]),
     (|h| h.datatype(0), ["datatype", "0"]),
     (|h| h.dim(0, 0), ["dim[0]", "0"]),
     (|h| h.dim(0, 8), ["dim[0]", "8"]),

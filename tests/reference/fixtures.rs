@@ -95,6 +95,7 @@ impl Tracer {
             light: self.light.as_ref(),
             depth_threshold: self.depth_threshold,
             jitter: None,
+            end: None,
         };
         let direction = direction.normalize();
         march_ray(&setup, Ray { origin, direction }, shift)

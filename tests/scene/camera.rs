@@ -1,7 +1,7 @@
 //! Views that cameras resolve to.
 
 use glam::{DAffine3, DMat3, DVec3};
-use umbravox::scene::{Camera, Projection, View};
+use umbravox::scene::{Camera, Framed, Projection, View};
 use umbravox::volume::{Rescale, Volume, Voxels};
 
 /// 11 x 21 x 5 voxels, 1 x 1 x 8 mm: a box of 10 x 20 x 32 mm about (105, 210, 316).
@@ -19,6 +19,7 @@ fn auto_view(azimuth: f64, elevation: f64, zoom: f64, size: [u32; 2]) -> View {
         azimuth,
         elevation,
         zoom,
+        frame: Framed::Volume,
     };
     camera.view(&placed_volume(), size).unwrap()
 }

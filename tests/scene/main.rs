@@ -1,7 +1,10 @@
 //! Scene files: parsing, overrides, every kind of bad input, cameras, transfer functions.
 
 mod camera;
+mod content;
+mod first_picture;
 mod messages;
+mod transfer_file;
 mod transfer_function;
 
 use std::path::Path;

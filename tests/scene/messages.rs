@@ -56,7 +56,7 @@ fn unknown_keys_name_the_nearest_valid_one() {
 fn missing_keys_say_what_to_give() {
     assert_eq!(
         error(parse("{}")),
-        "volume: missing; give an object with channel, path, raw, series, strict, timestep"
+        "volume: missing; give an object with channel, level, path, raw, series, strict, timestep"
     );
     assert_eq!(
         message(json!({ "camera": { "eye": [0, 0, 0] } })),
@@ -155,7 +155,8 @@ fn names_that_this_version_lacks_are_refused() {
         (
             json!({ "transfer_function": { "preset": "ct_bone" } }),
             "transfer_function.preset: \"ct_bone\" is not available; did you mean \"ct-bone\"? \
-             This version has ct-angio, ct-bone, ct-lung, ct-muscle-and-skin, ct-soft-tissue",
+             This version has boundaries, ct-angio, ct-bone, ct-lung, ct-muscle-and-skin, ct-soft-tissue, labels, \
+             micro-ct, microscopy, mr-angio, mr-default, simulation",
         ),
     ] {
         assert_eq!(message(parts), expected);

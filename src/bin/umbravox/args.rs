@@ -30,6 +30,8 @@ pub(crate) enum Command {
     Probe(ProbeArgs),
     /// List the formats that are read.
     Formats(FormatsArgs),
+    /// List, convert and plot transfer functions.
+    Tf(TfArgs),
     /// Export the light volume of local ambient occlusion.
     Light(LightArgs),
     /// Time frames of an orbit.
@@ -97,6 +99,64 @@ pub(crate) struct FormatsArgs {
     /// Print JSON.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct TfArgs {
+    #[command(subcommand)]
+    pub(crate) command: Option<TfCommand>,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum TfCommand {
+    /// List the presets (what `tf` alone does).
+    List(TfListArgs),
+    /// Write a preset or a file in another form.
+    Convert(TfConvertArgs),
+    /// Draw a preset or a file, with the histogram of a volume behind it.
+    Plot(TfPlotArgs),
+}
+
+#[derive(Args)]
+pub(crate) struct TfListArgs {
+    /// Print JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct TfConvertArgs {
+    #[command(flatten)]
+    pub(crate) source: TfSource,
+    /// File to write: .json (a scene's transfer_function), .xml (ParaView), .vp or .vp.json (3D Slicer).
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+    /// Form to write, whatever the extension: umbravox, paraview-json, paraview-xml, slicer-vp, slicer-json.
+    #[arg(long, value_name = "FORM")]
+    pub(crate) format: Option<String>,
+}
+
+#[derive(Args)]
+pub(crate) struct TfPlotArgs {
+    #[command(flatten)]
+    pub(crate) source: TfSource,
+    /// Picture to write, .png.
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+}
+
+/// A transfer function.
+#[derive(Args)]
+pub(crate) struct TfSource {
+    /// Name of a preset, or a file: of a scene's transfer_function, ParaView or 3D Slicer.
+    #[arg(value_name = "PRESET|FILE")]
+    pub(crate) input: String,
+    /// Volume whose values the presets follow, and whose histogram is drawn.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) volume: Option<PathBuf>,
+    /// Take colours as they are, as `"color_management": "none"` does in a scene.
+    #[arg(long)]
+    pub(crate) unmanaged: bool,
 }
 
 #[derive(Args)]

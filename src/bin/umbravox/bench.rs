@@ -23,7 +23,7 @@ struct Spread {
 
 pub(crate) fn run(args: &BenchArgs) -> Result<()> {
     let scene = input::read_scene(&args.input)?;
-    let volume = input::read_volume(&scene)?;
+    let (scene, volume) = input::load(&args.input, scene)?;
     let start = scene.camera.view(&volume, scene.image.size)?;
     let headless = Headless::new(&args.device.options())?;
     let mut session = headless.load(volume.clone(), &scene)?;

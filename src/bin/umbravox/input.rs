@@ -6,19 +6,16 @@ use std::sync::Arc;
 
 use umbravox::io::{self, ReadOptions};
 use umbravox::output;
-use umbravox::scene::{self, Override, Scene};
+use umbravox::scene::{self, FirstPicture, Guess, Override, Scene};
 use umbravox::volume::Volume;
 use umbravox::{Error, Result};
 
 use crate::args::InputArgs;
+use crate::progress;
 
 /// The scene named on the command line, or the one that suits the volume named there.
 pub(crate) fn read_scene(args: &InputArgs) -> Result<Scene> {
-    let overrides = args
-        .overrides
-        .iter()
-        .map(|text| Override::parse(text))
-        .collect::<Result<Vec<_>>>()?;
+    let overrides = overrides(args)?;
     if scene::is_scene_file(&args.path)? {
         Scene::read(&args.path, &overrides)
     } else {
@@ -26,9 +23,45 @@ pub(crate) fn read_scene(args: &InputArgs) -> Result<Scene> {
     }
 }
 
-/// The volume of a scene.
+/// A scene and its volume. For a volume named on the command line the scene is one that suits it; what was reduced for
+/// that is said on stderr.
+pub(crate) fn load(args: &InputArgs, scene: Scene) -> Result<(Scene, Arc<Volume>)> {
+    let volume = read_volume(&scene)?;
+    if scene::is_scene_file(&args.path)? {
+        return Ok((scene, volume));
+    }
+    let first = FirstPicture::of(&args.path, volume, &overrides(args)?)?;
+    for notice in &first.notices {
+        tracing::warn!("{notice}");
+    }
+    let Guess {
+        modality,
+        reason,
+        preset,
+    } = &first.guess;
+    tracing::info!("taken for {modality:?} ({reason}): transfer function {preset}");
+    Ok((first.scene, first.volume))
+}
+
+fn overrides(args: &InputArgs) -> Result<Vec<Override>> {
+    let parse = |text: &String| Override::parse(text);
+    args.overrides.iter().map(parse).collect()
+}
+
+/// The volume of a scene, with a progress bar.
 pub(crate) fn read_volume(scene: &Scene) -> Result<Arc<Volume>> {
-    io::read(&scene.volume.path, &ReadOptions::from(&scene.volume)).map(Arc::new)
+    let bar = progress::reading();
+    let show = |read, all| {
+        bar.set_length(all);
+        bar.set_position(read);
+    };
+    let options = ReadOptions {
+        progress: Some(&show),
+        ..ReadOptions::from(&scene.volume)
+    };
+    let volume = io::read(&scene.volume.path, &options);
+    bar.finish_and_clear();
+    volume.map(Arc::new)
 }
 
 /// Bytes of an input that are searched for the names of its data files.
@@ -38,18 +71,27 @@ const HEADER_BYTES: u64 = 64 << 10;
 /// way of writing it.
 pub(crate) fn check_output(output: &Path, inputs: [&Path; 2]) -> Result<PathBuf> {
     output::check_place(output)?;
-    if inputs.into_iter().any(|input| is_read(input, output)) {
-        return Err(Error::invalid(
-            output.display().to_string(),
-            "is also an input; give another file",
-        ));
-    }
+    check_no_input(output, inputs.into_iter())?;
     let folder = match output.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
     let folder = folder.canonicalize().map_err(|e| Error::io(folder, e))?;
     Ok(folder.join(output.file_name().unwrap_or_default()))
+}
+
+/// Checks that nothing is read from `output`.
+pub(crate) fn check_no_input<'a>(
+    output: &Path,
+    mut inputs: impl Iterator<Item = &'a Path>,
+) -> Result<()> {
+    if inputs.any(|input| is_read(input, output)) {
+        return Err(Error::invalid(
+            output.display().to_string(),
+            "is also an input; give another file",
+        ));
+    }
+    Ok(())
 }
 
 /// True when reading `input` may read an existing file at `output`: the file itself, one in the folder, the other half of an Analyze pair, or a data

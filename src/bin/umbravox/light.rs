@@ -23,7 +23,7 @@ pub(crate) fn run(args: &LightArgs) -> Result<()> {
         ));
     }
     input::check_output(&args.output, [&args.input.path, &scene.volume.path])?;
-    let volume = input::read_volume(&scene)?;
+    let (scene, volume) = input::load(&args.input, scene)?;
     let world_from_ix = volume.world_from_ix();
     let headless = Headless::new(&args.device.options())?;
     let mut session = headless.load(volume, &scene)?;

@@ -13,6 +13,7 @@ mod progress;
 mod render;
 mod series;
 mod terminal;
+mod tf;
 
 use std::process::ExitCode;
 
@@ -40,6 +41,7 @@ fn main() -> ExitCode {
         Command::Info(args) => info::run(args),
         Command::Probe(args) => probe::run(args),
         Command::Formats(args) => formats::run(args),
+        Command::Tf(command) => tf::run(command),
         Command::Light(args) => light::run(args),
         Command::Bench(args) => bench::run(args),
         Command::Devices(args) => devices::run(args),

@@ -36,7 +36,7 @@ fn print(args: &ProbeArgs, probe: &impl Serialize) -> Result<()> {
 
 fn at_pixel(args: &ProbeArgs, pixel: [u32; 2]) -> Result<PixelProbe> {
     let scene = input::read_scene(&args.input)?;
-    let volume = input::read_volume(&scene)?;
+    let (scene, volume) = input::load(&args.input, scene)?;
     let headless = Headless::new(&args.device.options())?;
     let mut session = headless.load(volume, &scene)?;
     progress::complete_light(&mut session)?;

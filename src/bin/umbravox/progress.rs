@@ -20,7 +20,10 @@ pub(crate) fn trace_light(
     if directions == 0 {
         return Ok(());
     }
-    let bar = bar(directions);
+    let bar = bar(
+        directions.into(),
+        "light {bar:40} {pos}/{len} directions, {eta} left",
+    );
     for traced in 1..=directions {
         session.refine_light()?;
         bar.set_position(traced.into());
@@ -30,11 +33,16 @@ pub(crate) fn trace_light(
     Ok(())
 }
 
-fn bar(rays: u32) -> ProgressBar {
+/// A bar for bytes of voxels, whose number is not known yet.
+pub(crate) fn reading() -> ProgressBar {
+    bar(0, "read {bar:40} {bytes}/{total_bytes}, {eta} left")
+}
+
+fn bar(length: u64, template: &str) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
-    let style = ProgressStyle::with_template("light {bar:40} {pos}/{len} directions, {eta} left")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(rays.into()).with_style(style)
+    let style =
+        ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(length).with_style(style)
 }

@@ -1,6 +1,7 @@
 //! `umbravox render`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use umbravox::headless::{Headless, Provenance, Session};
 use umbravox::output::{self, Target};
@@ -8,15 +9,15 @@ use umbravox::scene::Scene;
 use umbravox::volume::Volume;
 use umbravox::{Error, Result};
 
-use crate::args::{RenderArgs, RenderInput};
+use crate::args::{InputArgs, RenderArgs, RenderInput};
 use crate::series::Series;
 use crate::{check_validation, input, progress, stats_of, terminal};
 
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let outputs = Outputs::check(&args.outputs)?;
-    let mut job = Job::read(&args.input.resolve())?;
+    let mut job = Job::read(args.input.resolve())?;
     if let Some(path) = &args.input.volume {
-        if job.recorded.is_none() {
+        if job.recorded().is_none() {
             let message = "goes with --reproduce; use --set volume.path=PATH with a scene";
             return Err(Error::invalid("--volume", message));
         }
@@ -33,8 +34,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
         }
         places.push(place);
     }
-    let volume = input::read_volume(&job.scene)?;
-    job.check_data(&volume)?;
+    let volume = job.load()?;
     let headless = Headless::new(&args.device.options())?;
     let mut session = headless.load(volume, &job.scene)?;
     outputs.render(&mut session, &job)?;
@@ -51,38 +51,58 @@ struct Job {
     /// The file named on the command line.
     path: PathBuf,
     scene: Scene,
-    /// Of the picture that is rendered again.
-    recorded: Option<Provenance>,
+    input: Input,
+}
+
+enum Input {
+    /// A scene or volume.
+    Named(InputArgs),
+    /// What a picture that is rendered again says of its origin.
+    Recorded(Box<Provenance>),
 }
 
 impl Job {
-    fn read(input: &RenderInput) -> Result<Self> {
+    fn read(input: RenderInput) -> Result<Self> {
         Ok(match input {
             RenderInput::Scene(args) => Self {
                 path: args.path.clone(),
-                scene: input::read_scene(args)?,
-                recorded: None,
+                scene: input::read_scene(&args)?,
+                input: Input::Named(args),
             },
             RenderInput::Picture(path) => {
-                let entries = output::read_provenance(path)?;
+                let entries = output::read_provenance(&path)?;
                 let recorded = Provenance::from_entries(&entries, &path.display().to_string())?;
                 Self {
-                    path: path.clone(),
+                    path,
                     scene: recorded.scene.clone(),
-                    recorded: Some(recorded),
+                    input: Input::Recorded(Box::new(recorded)),
                 }
             }
         })
     }
 
-    /// Refuses other data than a picture was rendered from.
-    fn check_data(&self, volume: &Volume) -> Result<()> {
-        let Some(recorded) = &self.recorded else {
-            return Ok(());
+    fn recorded(&self) -> Option<&Provenance> {
+        match &self.input {
+            Input::Named(_) => None,
+            Input::Recorded(recorded) => Some(recorded),
+        }
+    }
+
+    /// Reads the volume, and completes the scene where it depends on what that holds. Refuses other data than a picture
+    /// was rendered from.
+    fn load(&mut self) -> Result<Arc<Volume>> {
+        let recorded = match &self.input {
+            Input::Named(args) => {
+                let (scene, volume) = input::load(args, self.scene.clone())?;
+                self.scene = scene;
+                return Ok(volume);
+            }
+            Input::Recorded(recorded) => recorded,
         };
+        let volume = input::read_volume(&self.scene)?;
         let found = volume.fingerprint();
         if found == recorded.data {
-            return Ok(());
+            return Ok(volume);
         }
         Err(Error::invalid(
             self.path.display().to_string(),
@@ -97,12 +117,15 @@ impl Job {
     /// Where pictures of a session come from, as their files say it.
     fn provenance(&self, session: &Session) -> Result<Provenance> {
         let mut provenance = session.provenance(&self.scene);
-        match &self.recorded {
+        match self.recorded() {
             Some(recorded) => provenance.scene = recorded.scene.clone(),
             None => {
                 // A file says the same, and finds its data, wherever the program was started.
-                let path = &mut provenance.scene.volume.path;
-                *path = std::path::absolute(&*path).map_err(|e| Error::io(&*path, e))?;
+                let scene = &mut provenance.scene;
+                let files = [&mut scene.volume.path].into_iter();
+                for path in files.chain(&mut scene.transfer_function.file) {
+                    *path = std::path::absolute(&*path).map_err(|e| Error::io(&*path, e))?;
+                }
             }
         }
         Ok(provenance)
@@ -110,7 +133,7 @@ impl Job {
 
     /// Directions of light to trace: all, or as many as were recorded.
     fn light_directions(&self, session: &Session) -> u32 {
-        let recorded = self.recorded.as_ref().map(|r| r.light_directions);
+        let recorded = self.recorded().map(|r| r.light_directions);
         recorded.unwrap_or(u32::MAX).min(session.light_rays())
     }
 }
@@ -164,7 +187,7 @@ impl Outputs {
             write_series(session, traced - 1, traced)
         })?;
         let now = after(directions);
-        if let Some(recorded) = &job.recorded {
+        if let Some(recorded) = job.recorded() {
             for difference in recorded.differences(&now) {
                 terminal::warn(&format!("not as it was recorded: {difference}"));
             }

@@ -10,8 +10,8 @@ use super::super::Limits;
 use super::super::bundle::Member;
 use super::super::source::bad;
 use super::attributes::{Attributes, directions};
-use super::claims::{self, Until};
-use super::quoted;
+use super::claims::{self, NativePixels, Until};
+use super::{prefix, quoted};
 use crate::error::Result;
 use crate::volume::Rescale;
 
@@ -21,6 +21,7 @@ const MAX_FRAMES: u64 = 1 << 20;
 pub(super) const PIXEL_DATA: Tag = Tag(0x7FE0, 0x0010);
 const SERIES_INSTANCE_UID: Tag = Tag(0x0020, 0x000E);
 const SERIES_NUMBER: Tag = Tag(0x0020, 0x0011);
+const MODALITY: Tag = Tag(0x0008, 0x0060);
 const SERIES_DESCRIPTION: Tag = Tag(0x0008, 0x103E);
 const SOP_INSTANCE_UID: Tag = Tag(0x0008, 0x0018);
 const INSTANCE_NUMBER: Tag = Tag(0x0020, 0x0013);
@@ -30,6 +31,7 @@ const ROWS: Tag = Tag(0x0028, 0x0010);
 const COLUMNS: Tag = Tag(0x0028, 0x0011);
 const NUMBER_OF_FRAMES: Tag = Tag(0x0028, 0x0008);
 const SAMPLES_PER_PIXEL: Tag = Tag(0x0028, 0x0002);
+const PLANAR_CONFIGURATION: Tag = Tag(0x0028, 0x0006);
 const BITS_ALLOCATED: Tag = Tag(0x0028, 0x0100);
 const BITS_STORED: Tag = Tag(0x0028, 0x0101);
 const HIGH_BIT: Tag = Tag(0x0028, 0x0102);
@@ -61,12 +63,15 @@ pub(super) struct Frame {
     pub(super) series_uid: String,
     pub(super) series_number: Option<String>,
     pub(super) series_description: Option<String>,
+    pub(super) modality: Option<String>,
     pub(super) instance_uid: Option<String>,
     /// Orders frames of one place: time, acquisition, instance.
     pub(super) order: [f64; 3],
     pub(super) columns: u64,
     pub(super) rows: u64,
     pub(super) format: PixelFormat,
+    /// Where the pixels of all frames of the file lie, when they are neither coded nor deflated.
+    pub(super) native: Option<NativePixels>,
     pub(super) rescale: Rescale,
     /// Millimetres between columns and between rows, when known.
     pub(super) spacing: Option<[f64; 2]>,
@@ -78,6 +83,16 @@ pub(super) struct Frame {
     pub(super) position: Option<DVec3>,
 }
 
+impl Frame {
+    /// Where the pixels lie, unless they are colours or to be decoded: bytes of big-endian words hold pixels of other
+    /// than 16 bits in an order of their own (PS3.5, 7.3), which the parser knows.
+    pub(super) fn native_pixels(&self) -> Option<NativePixels> {
+        self.native.filter(|native| {
+            self.format.samples == 1 && (!native.big_endian || self.format.allocated == 16)
+        })
+    }
+}
+
 /// How pixels are stored (PS3.5, 8.1.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PixelFormat {
@@ -85,6 +100,12 @@ pub(super) struct PixelFormat {
     pub(super) stored: u64,
     pub(super) high_bit: u64,
     pub(super) signed: bool,
+    /// 1, or 3 of colours.
+    pub(super) samples: u64,
+    /// Whether uncompressed samples of one kind lie together (C.7.6.3.1.3).
+    pub(super) planar: bool,
+    /// Whether the first of three samples is brightness, as stored.
+    pub(super) brightness_first: bool,
 }
 
 /// The frames of one file, from its header alone. Objects without pixels (reports, structure sets) have none.
@@ -94,10 +115,10 @@ pub(super) fn frames(
     member: &Member,
     limits: &Limits,
 ) -> Result<Vec<Frame>> {
-    claims::check(path, member, Until::Pixels)?;
+    let native = claims::check(path, member, Until::Pixels, limits)?;
     let object = OpenFileOptions::new()
         .read_until(PIXEL_DATA)
-        .from_reader(member.open()?)
+        .from_reader(prefix::open(member)?)
         .map_err(|e| bad(path, format!("the DICOM header is damaged: {}", chain(&e))))?;
     let attributes = Attributes::of(&object);
     let (Some(rows), Some(columns)) = (attributes.whole(ROWS), attributes.whole(COLUMNS)) else {
@@ -115,6 +136,23 @@ pub(super) fn frames(
             ),
         ));
     }
+    // A coded frame is an item of its own: a tag and a length at least (PS3.5, A.4).
+    let least = match native {
+        Some(_) => [rows, columns, count, format.samples, format.allocated / 8]
+            .iter()
+            .fold(1u64, |n, &m| n.saturating_mul(m)),
+        None => count.saturating_mul(8),
+    };
+    let have = native.map_or(member.len(), |pixels| pixels.bytes);
+    if count > 1 && have < least {
+        return Err(bad(
+            path,
+            format!(
+                "{count} frames of {columns} x {rows} pixels take at least {least} bytes, {have} are there: it is cut \
+                 short or its header is wrong"
+            ),
+        ));
+    }
     let per_frame = object
         .get(PER_FRAME_GROUPS)
         .and_then(|e| e.items())
@@ -128,7 +166,8 @@ pub(super) fn frames(
                 scopes,
                 object: &object,
             };
-            frame(path, member_index, i, &scoped, [columns, rows], format)
+            let frame = frame(path, member_index, i, &scoped, [columns, rows], format)?;
+            Ok(Frame { native, ..frame })
         })
         .collect()
 }
@@ -174,6 +213,7 @@ fn frame(
         index: index as u32,
         series_uid: attributes.text(SERIES_INSTANCE_UID).unwrap_or_default(),
         series_number: attributes.text(SERIES_NUMBER).map(|t| quoted(&t)),
+        modality: attributes.text(MODALITY),
         series_description: attributes.text(SERIES_DESCRIPTION).map(|t| quoted(&t)),
         instance_uid: attributes.text(SOP_INSTANCE_UID),
         order: [
@@ -184,6 +224,7 @@ fn frame(
         columns,
         rows,
         format,
+        native: None,
         rescale,
         spacing,
         slice_spacing: one(PIXEL_MEASURES, SPACING_BETWEEN_SLICES)
@@ -212,12 +253,12 @@ fn position(
 
 fn pixel_format(path: &Path, attributes: &Attributes<'_>) -> Result<PixelFormat> {
     let samples = attributes.whole(SAMPLES_PER_PIXEL).unwrap_or(1);
-    if samples != 1 {
-        let photometric = attributes.text(PHOTOMETRIC).unwrap_or_default();
+    let photometric = attributes.text(PHOTOMETRIC).unwrap_or_default();
+    if !matches!(samples, 1 | 3) {
         return Err(bad(
             path,
             format!(
-                "{samples} samples per pixel ({}); only monochrome pictures make a scalar volume",
+                "{samples} samples per pixel ({}); 1 and 3 are read",
                 quoted(&photometric)
             ),
         ));
@@ -245,15 +286,18 @@ fn pixel_format(path: &Path, attributes: &Attributes<'_>) -> Result<PixelFormat>
         stored,
         high_bit,
         signed: attributes.whole(PIXEL_REPRESENTATION) == Some(1),
+        samples,
+        planar: samples > 1 && attributes.whole(PLANAR_CONFIGURATION) == Some(1),
+        brightness_first: photometric.starts_with("YBR"),
     })
 }
 
 /// Opens an object up to its pixels, them included.
-pub(super) fn open(path: &Path, member: &Member) -> Result<DefaultDicomObject> {
-    claims::check(path, member, Until::PixelsEnd)?;
+pub(super) fn open(path: &Path, member: &Member, limits: &Limits) -> Result<DefaultDicomObject> {
+    claims::check(path, member, Until::PixelsEnd, limits)?;
     OpenFileOptions::new()
         .read_to(PIXEL_DATA)
-        .from_reader(member.open()?)
+        .from_reader(prefix::open(member)?)
         .map_err(|e| bad(path, format!("the DICOM object is damaged: {}", chain(&e))))
 }
 

@@ -7,6 +7,7 @@ mod attributes;
 mod claims;
 mod frame;
 mod pixels;
+mod prefix;
 mod resample;
 mod series;
 mod stack;
@@ -16,6 +17,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use self::frame::Frame;
+use self::prefix::Prefix;
 use self::series::Series;
 use super::bundle::{Bundle, Member};
 use super::element::Element;
@@ -24,12 +26,13 @@ use super::grid::{self, Grid};
 use super::source::bad;
 use super::{Format, ReadOptions};
 use crate::error::Result;
-use crate::volume::Volume;
+use crate::volume::{Content, Metadata, Volume};
 
 pub(super) const FORMAT: Format = Format {
     name: "DICOM",
     extensions: &["dcm", "ima"],
-    reads: "a series in a folder or archive, or one file of it; multi-frame; uncompressed, deflated, RLE, JPEG",
+    reads: "a series in a folder or archive, or one file of it; multi-frame; colours; uncompressed, deflated, RLE, JPEG, \
+            JPEG 2000",
     file: Some(FileReader {
         recognise: |head, _| is_dicom(head),
         read: read_series_of,
@@ -46,13 +49,11 @@ const PREAMBLE: (usize, &[u8]) = (128, b"DICM");
 const DIRECTORY_NAME: &str = "DICOMDIR";
 
 fn is_dicom(head: &[u8]) -> bool {
-    head.get(PREAMBLE.0..)
-        .is_some_and(|rest| rest.starts_with(PREAMBLE.1))
+    Prefix::of(head).is_some()
 }
 
 fn is_dicom_member(member: &Member) -> bool {
-    is_dicom(&member.head(PREAMBLE.0 + PREAMBLE.1.len()))
-        && member.name().rsplit('/').next() != Some(DIRECTORY_NAME)
+    Prefix::of_member(member).is_some() && member.name().rsplit('/').next() != Some(DIRECTORY_NAME)
 }
 
 /// The series that one file belongs to, from the files beside it.
@@ -125,6 +126,8 @@ fn read(bundle: &Bundle, series: Series, options: &ReadOptions<'_>) -> Result<Vo
     let Some(first) = stack.frames.first() else {
         return Err(bad(path, "the series holds no picture".into()));
     };
+    let modality = first.modality.as_deref().unwrap_or_default();
+    let metadata = Metadata::stated("DICOM Modality", modality, MODALITIES).with_patient_axes(true);
     let encoding = pixels::Encoding::common(path, &stack.frames)?;
     let axes = [first.columns, first.rows, stack.frames.len() as u64];
     let grid = Grid::of_one(
@@ -138,7 +141,8 @@ fn read(bundle: &Bundle, series: Series, options: &ReadOptions<'_>) -> Result<Vo
     let world_from_ix = grid::placement(path, keys, stack.steps_ws, stack.origin_ws)?;
     let voxels = pixels::decode(bundle, &stack.frames, &encoding, grid, options)?;
     let Some(positions) = &stack.uneven else {
-        return grid::volume(path, voxels, grid, world_from_ix, encoding.rescale);
+        let volume = grid::volume(path, voxels, grid, world_from_ix, encoding.rescale)?;
+        return Ok(volume.with_metadata(metadata));
     };
     let (voxels, slices) =
         resample::onto_even_slices(path, voxels, grid, positions, &options.limits)?;
@@ -150,8 +154,21 @@ fn read(bundle: &Bundle, series: Series, options: &ReadOptions<'_>) -> Result<Vo
         encoding.element,
         &options.limits,
     )?;
-    grid::volume(path, voxels, grid, world_from_ix, encoding.rescale)
+    let volume = grid::volume(path, voxels, grid, world_from_ix, encoding.rescale)?;
+    Ok(volume.with_metadata(metadata))
 }
+
+/// Defined terms of `Modality` (PS3.3, C.7.3.1.1.1).
+const MODALITIES: &[(&str, Content)] = &[
+    ("CT", Content::Ct),
+    ("MR", Content::Mr),
+    ("PT", Content::Nuclear),
+    ("NM", Content::Nuclear),
+    ("US", Content::Ultrasound),
+    ("SM", Content::Microscopy),
+    ("GM", Content::Microscopy),
+    ("SEG", Content::Labels),
+];
 
 /// Longest text of a file that a message quotes.
 fn quoted(text: &str) -> String {

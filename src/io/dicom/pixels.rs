@@ -2,21 +2,28 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 
+use bytemuck::Pod;
 use dicom_object::DefaultDicomObject;
 use dicom_pixeldata::PixelDecoder;
 use rayon::prelude::*;
 
-use super::super::ReadOptions;
-use super::super::bundle::Bundle;
-use super::super::jpeg_size::jpeg_size;
-use super::super::payload::reserve;
+use super::super::bundle::{Bundle, Member};
+use super::super::components::{LUMA, Pick};
+use super::super::jpeg_size::claim_of;
+use super::super::payload::zeroed;
 use super::super::source::bad;
+use super::super::watched::watched;
+use super::super::{Limits, ReadOptions};
+use super::claims::NativePixels;
 use super::frame::{self, Frame, PIXEL_DATA, PixelFormat};
 use super::{Element, Grid};
 use crate::error::{Error, Result};
 use crate::volume::{Rescale, Voxels};
+
+/// Transfer syntax of run lengths (PS3.5, A.4.2).
+const RLE_LOSSLESS: &str = "1.2.840.10008.1.2.5";
 
 /// What the voxels become.
 pub(super) struct Encoding {
@@ -79,7 +86,18 @@ impl PixelFormat {
         }
     }
 
+    /// Bytes of a pixel.
+    fn bytes(self) -> usize {
+        (self.allocated / 8) as usize
+    }
+
+    /// Whether all allocated bits are the value.
+    fn is_full(self) -> bool {
+        self.stored == self.allocated
+    }
+
     /// The pixel in its allocated bits: others than those stored may hold overlays, or nothing.
+    #[inline]
     fn value(self, bits: u32) -> i64 {
         let bits = u64::from(bits) >> (self.high_bit + 1 - self.stored);
         let unused = 64 - self.stored;
@@ -99,10 +117,16 @@ pub(super) fn decode(
     grid: Grid,
     options: &ReadOptions<'_>,
 ) -> Result<Voxels> {
+    let samples = frames
+        .first()
+        .map_or(1, |frame| frame.format.samples as usize);
     let decoder = Decoder {
         bundle,
         frames,
         grid,
+        limits: options.limits,
+        as_stored: !encoding.apply,
+        pick: Pick::of(bundle.path(), samples, samples > 1, options.channel)?,
     };
     let progress = options.progress;
     let whole = |value: i64, _: Rescale| value;
@@ -121,46 +145,38 @@ struct Decoder<'a> {
     bundle: &'a Bundle,
     frames: &'a [Frame],
     grid: Grid,
+    limits: Limits,
+    /// Voxels are pixels as they are: of the same type, not rescaled.
+    as_stored: bool,
+    pick: Pick,
 }
 
 impl Decoder<'_> {
-    fn run<T: Copy + Default + Send>(
+    fn run<T: Pod + Send + Sync>(
         &self,
-        convert: impl Fn(i64, Rescale) -> T + Sync,
+        convert: impl Fn(i64, Rescale) -> T + Send + Sync,
         progress: Option<&dyn Fn(u64, u64)>,
     ) -> Result<Vec<T>> {
-        let mut voxels = reserve(self.grid.voxels)?;
-        voxels.resize(self.grid.voxels, T::default());
+        let mut voxels = zeroed(self.grid.voxels)?;
         let slice = self.grid.voxels / self.frames.len().max(1);
         // Frames of one file are decoded together, so that it is opened once.
         let mut files: BTreeMap<usize, Vec<(&Frame, &mut [T])>> = BTreeMap::new();
         for (frame, out) in self.frames.iter().zip(voxels.chunks_mut(slice.max(1))) {
             files.entry(frame.member).or_default().push((frame, out));
         }
-        let (done, all) = (AtomicU64::new(0), self.grid.bytes);
         let batches: Vec<_> = files.into_iter().collect();
-        // Progress is told by the calling thread alone, between pieces of work.
-        let per_report = (batches.len() / 32).max(16);
-        let mut rest = batches.into_iter();
-        loop {
-            let piece: Vec<_> = rest.by_ref().take(per_report).collect();
-            if piece.is_empty() {
-                break;
-            }
-            piece.into_par_iter().try_for_each(|(member, frames)| {
+        watched(progress, self.grid.bytes, |done| {
+            batches.into_par_iter().try_for_each(|(member, frames)| {
                 let bytes: u64 = frames.iter().map(|(_, out)| size_of_val(*out) as u64).sum();
                 self.file(member, frames, &convert)?;
                 done.fetch_add(bytes, Ordering::Relaxed);
                 Ok::<(), Error>(())
-            })?;
-            if let Some(progress) = progress {
-                progress(done.load(Ordering::Relaxed).min(all), all);
-            }
-        }
+            })
+        })?;
         Ok(voxels)
     }
 
-    fn file<T: Send>(
+    fn file<T: Pod + Send>(
         &self,
         member: usize,
         frames: Vec<(&Frame, &mut [T])>,
@@ -170,10 +186,45 @@ impl Decoder<'_> {
             return Err(bad(self.bundle.path(), "a file is gone".into()));
         };
         let path = self.bundle.path_of(member);
-        let object = frame::open(&path, member)?;
-        frames
-            .into_par_iter()
-            .try_for_each(|(frame, out)| decode_frame(&path, &object, frame, out, convert))
+        let native = frames.first().and_then(|(frame, _)| frame.native_pixels());
+        if let Some(native) = native {
+            return frames.into_par_iter().try_for_each(|(frame, out)| {
+                self.native_frame(&path, member, native, frame, out, convert)
+            });
+        }
+        let object = frame::open(&path, member, &self.limits)?;
+        frames.into_par_iter().try_for_each(|(frame, out)| {
+            decode_frame(&path, &object, frame, self.pick, out, convert)
+        })
+    }
+
+    /// Uncompressed pixels, from the file straight to their place where nothing is to be converted.
+    fn native_frame<T: Pod>(
+        &self,
+        path: &Path,
+        member: &Member,
+        native: NativePixels,
+        frame: &Frame,
+        out: &mut [T],
+        convert: &impl Fn(i64, Rescale) -> T,
+    ) -> Result<()> {
+        let wanted = out.len().saturating_mul(frame.format.bytes());
+        let before = (wanted as u64).saturating_mul(frame.index.into());
+        let there = native.bytes.saturating_sub(before).min(wanted as u64) as usize;
+        let offset = native.offset.saturating_add(before);
+        let big = native.big_endian;
+        if self.as_stored && size_of::<T>() == frame.format.bytes() {
+            let bytes: &mut [u8] = bytemuck::cast_slice_mut(out);
+            let got = member.read_at(offset, bytes.get_mut(..there).unwrap_or_default())?;
+            check_whole(path, frame, got, wanted)?;
+            clean_pixels(bytes, big, frame.format);
+            return Ok(());
+        }
+        let mut bytes = zeroed(there)?;
+        let got = member.read_at(offset, &mut bytes)?;
+        check_whole(path, frame, got, wanted)?;
+        convert_pixels(&bytes, big, frame, out, convert);
+        Ok(())
     }
 }
 
@@ -181,11 +232,13 @@ fn decode_frame<T>(
     path: &Path,
     object: &DefaultDicomObject,
     frame: &Frame,
+    pick: Pick,
     out: &mut [T],
     convert: &impl Fn(i64, Rescale) -> T,
 ) -> Result<()> {
-    let bytes_per_pixel = (frame.format.allocated / 8) as usize;
-    let wanted = out.len() * bytes_per_pixel;
+    let format = frame.format;
+    let [bytes_per_sample, samples] = [format.bytes(), format.samples as usize];
+    let wanted = out.len() * bytes_per_sample * samples;
     let element = object
         .get(PIXEL_DATA)
         .ok_or_else(|| bad(path, "PixelData is missing".into()))?;
@@ -207,28 +260,122 @@ fn decode_frame<T>(
         let start = wanted.saturating_mul(frame.index as usize);
         native.get(start..).unwrap_or_default()
     };
-    let Some(pixels) = pixels.get(..wanted) else {
-        return Err(bad(
-            path,
-            format!(
-                "frame {} has {} bytes of pixels; {} x {} pixels of {} bits need {wanted}: it is cut short or its \
-                 header is wrong",
-                frame.index,
-                pixels.len(),
-                frame.columns,
-                frame.rows,
-                frame.format.allocated
-            ),
-        ));
-    };
-    for (out, bytes) in out.iter_mut().zip(pixels.chunks_exact(bytes_per_pixel)) {
+    check_whole(path, frame, pixels.len(), wanted)?;
+    if samples == 1 {
+        convert_pixels(pixels, false, frame, out, convert);
+        return Ok(());
+    }
+    let value = |bytes: &[u8]| {
         let bits = bytes
             .iter()
             .rev()
             .fold(0u32, |bits, &byte| bits << 8 | u32::from(byte));
-        *out = convert(frame.format.value(bits), frame.rescale);
+        format.value(bits)
+    };
+    let coded = element.fragments().is_some();
+    // Pixels between one sample of a kind and the next, and between one kind and the next.
+    let [step, plane] = if format.planar && !coded {
+        [1, out.len()]
+    } else {
+        [samples, 1]
+    };
+    let sample = |pixel: usize, kind: usize| {
+        let at = (pixel * step + kind * plane) * bytes_per_sample;
+        value(pixels.get(at..at + bytes_per_sample).unwrap_or_default())
+    };
+    // JPEG and JPEG 2000 decoders give red, green and blue.
+    let run_length = object.meta().transfer_syntax() == RLE_LOSSLESS;
+    let pick = match pick {
+        Pick::Luma if format.brightness_first && (!coded || run_length) => Pick::Component(0),
+        other => other,
+    };
+    for (i, out) in out.iter_mut().enumerate() {
+        let value = match pick {
+            Pick::Component(kind) => sample(i, kind),
+            Pick::Luma => {
+                let shares = LUMA.iter().enumerate();
+                let luma: f32 = shares
+                    .map(|(kind, share)| share * sample(i, kind) as f32)
+                    .sum();
+                luma.round() as i64
+            }
+        };
+        *out = convert(value, frame.rescale);
     }
     Ok(())
+}
+
+fn check_whole(path: &Path, frame: &Frame, have: usize, wanted: usize) -> Result<()> {
+    if have >= wanted {
+        return Ok(());
+    }
+    Err(bad(
+        path,
+        format!(
+            "frame {} has {have} bytes of pixels; {} x {} pixels of {} bits need {wanted}: it is cut short or its \
+             header is wrong",
+            frame.index, frame.columns, frame.rows, frame.format.allocated
+        ),
+    ))
+}
+
+/// Pixels of 8 or 16 bits in the machine's byte order, without the bits that are not theirs: [`PixelFormat::value`] in the
+/// pixels' own type.
+fn clean_pixels(bytes: &mut [u8], big: bool, format: PixelFormat) {
+    let swapped = big != cfg!(target_endian = "big");
+    if format.is_full() && !(swapped && format.bytes() == 2) {
+        return;
+    }
+    let (above, unused) = (
+        format.allocated - 1 - format.high_bit,
+        format.allocated - format.stored,
+    );
+    if format.bytes() == 1 {
+        for byte in bytes {
+            let bits = *byte << above;
+            *byte = if format.signed {
+                (bits as i8 >> unused) as u8
+            } else {
+                bits >> unused
+            };
+        }
+        return;
+    }
+    for pixel in bytes.as_chunks_mut().0 {
+        let bits = if swapped {
+            u16::from_ne_bytes(*pixel).swap_bytes()
+        } else {
+            u16::from_ne_bytes(*pixel)
+        } << above;
+        let value = if format.signed {
+            (bits as i16 >> unused) as u16
+        } else {
+            bits >> unused
+        };
+        *pixel = value.to_ne_bytes();
+    }
+}
+
+fn convert_pixels<T>(
+    bytes: &[u8],
+    big: bool,
+    frame: &Frame,
+    out: &mut [T],
+    convert: &impl Fn(i64, Rescale) -> T,
+) {
+    fn each<T, const N: usize>(bytes: &[u8], out: &mut [T], voxel: impl Fn([u8; N]) -> T) {
+        for (out, &pixel) in out.iter_mut().zip(bytes.as_chunks().0) {
+            *out = voxel(pixel);
+        }
+    }
+    let voxel = |bits: u32| convert(frame.format.value(bits), frame.rescale);
+    match (frame.format.bytes(), big) {
+        (1, _) => each(bytes, out, |[b]| voxel(b.into())),
+        (2, false) => each(bytes, out, |b| voxel(u16::from_le_bytes(b).into())),
+        (2, true) => each(bytes, out, |b| voxel(u16::from_be_bytes(b).into())),
+        (_, false) => each(bytes, out, |b| voxel(u32::from_le_bytes(b))),
+        (_, true) => each(bytes, out, |b| voxel(u32::from_be_bytes(b))),
+    }
 }
 
 /// A picture inside that claims another size than the object would make a decoder allocate what nobody asked for.
@@ -236,12 +383,13 @@ fn check_jpeg_sizes(path: &Path, fragments: &[Vec<u8>], frame: &Frame) -> Result
     if fragments.is_empty() {
         return Err(bad(path, "PixelData holds no fragment".into()));
     }
-    for size in fragments.iter().filter_map(|f| jpeg_size(f)) {
-        if size.map(u64::from) != [frame.columns, frame.rows] {
+    let samples = frame.format.samples;
+    for (size, components) in fragments.iter().filter_map(|f| claim_of(f)) {
+        if size.map(u64::from) != [frame.columns, frame.rows] || components > samples {
             return Err(bad(
                 path,
                 format!(
-                    "a coded picture has {size:?} pixels; Columns and Rows say {} x {}",
+                    "a coded picture has {size:?} pixels of {components} samples; the header says {} x {} of {samples}",
                     frame.columns, frame.rows
                 ),
             ));

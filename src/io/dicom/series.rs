@@ -60,7 +60,7 @@ pub(super) fn group(frames: Vec<Frame>) -> Vec<Series> {
         let format = frame.format;
         let key = (
             frame.series_uid.clone(),
-            [frame.columns, frame.rows, format.allocated],
+            [frame.columns, frame.rows, format.allocated, format.samples],
             format.signed,
             direction,
         );

@@ -11,18 +11,22 @@ pub(super) const MAX_BYTES: usize = NIFTI2_BYTES;
 const NIFTI1_BYTES: usize = 348;
 const NIFTI2_BYTES: usize = 540;
 
-/// `datatype` codes of scalars that are read.
-const DATATYPES: &[(i64, Element)] = &[
-    (2, Element::U8),
-    (4, Element::I16),
-    (8, Element::I32),
-    (16, Element::F32),
-    (64, Element::F64),
-    (256, Element::I8),
-    (512, Element::U16),
-    (768, Element::U32),
-    (1024, Element::I64),
-    (1280, Element::U64),
+/// `datatype` codes that are read, and the numbers of a voxel.
+const DATATYPES: &[(i64, Element, u64)] = &[
+    (2, Element::U8, 1),
+    (4, Element::I16, 1),
+    (8, Element::I32, 1),
+    (16, Element::F32, 1),
+    (32, Element::F32, 2),
+    (64, Element::F64, 1),
+    (128, Element::U8, 3),
+    (256, Element::I8, 1),
+    (512, Element::U16, 1),
+    (768, Element::U32, 1),
+    (1024, Element::I64, 1),
+    (1280, Element::U64, 1),
+    (1792, Element::F64, 2),
+    (2304, Element::U8, 4),
 ];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +49,8 @@ struct Offsets {
     qoffset: usize,
     srow: usize,
     xyzt_units: usize,
+    intent_code: usize,
+    descrip: usize,
 }
 
 const NIFTI1: Offsets = Offsets {
@@ -60,6 +66,8 @@ const NIFTI1: Offsets = Offsets {
     qoffset: 268,
     srow: 280,
     xyzt_units: 123,
+    intent_code: 68,
+    descrip: 148,
 };
 
 const NIFTI2: Offsets = Offsets {
@@ -75,6 +83,8 @@ const NIFTI2: Offsets = Offsets {
     qoffset: 376,
     srow: 400,
     xyzt_units: 500,
+    intent_code: 504,
+    descrip: 240,
 };
 
 /// A header whose size and magic are right.
@@ -171,19 +181,23 @@ impl Header {
             .collect()
     }
 
-    pub(super) fn element(&self) -> Result<Element> {
+    /// The type of a voxel's numbers, and how many there are: red, green, blue and alpha, or real and imaginary.
+    pub(super) fn element(&self) -> Result<(Element, u64)> {
         let code = i64::from(self.i16_at(self.offsets().datatype));
-        let known = DATATYPES.iter().find(|(known, _)| *known == code);
-        known.map(|&(_, element)| element).ok_or_else(|| {
-            let valid: Vec<String> = DATATYPES
-                .iter()
-                .map(|(code, element)| format!("{code} ({element})"))
-                .collect();
-            self.bad(format!(
-                "datatype {code} is not a scalar that is read; valid are {}",
-                valid.join(", ")
-            ))
-        })
+        let known = DATATYPES.iter().find(|(known, ..)| *known == code);
+        known
+            .map(|&(_, element, count)| (element, count))
+            .ok_or_else(|| {
+                let name = |&(code, element, count): &(i64, Element, u64)| match count {
+                    1 => format!("{code} ({element})"),
+                    count => format!("{code} ({count} x {element})"),
+                };
+                let valid: Vec<String> = DATATYPES.iter().map(name).collect();
+                self.bad(format!(
+                    "datatype {code} is not read; valid are {}",
+                    valid.join(", ")
+                ))
+            })
     }
 
     /// Where the voxels start in their file.
@@ -229,11 +243,29 @@ impl Header {
     /// `qform_code`, `sform_code`.
     pub(super) fn form_codes(&self) -> (i32, i32) {
         let at = self.offsets();
-        let code = |offset| match self.version {
+        (self.code(at.qform_code), self.code(at.sform_code))
+    }
+
+    /// `intent_code`.
+    pub(super) fn intent_code(&self) -> i32 {
+        self.code(self.offsets().intent_code)
+    }
+
+    /// `descrip`, up to its first zero byte.
+    pub(super) fn description(&self) -> String {
+        const LENGTH: usize = 80;
+        let from = self.bytes.get(self.offsets().descrip..);
+        let field = from.and_then(|b| b.first_chunk::<LENGTH>());
+        let text = field.and_then(|b| b.split(|&b| b == 0).next());
+        String::from_utf8_lossy(text.unwrap_or_default()).into_owned()
+    }
+
+    /// A code of 16 bits in version 1, of 32 in version 2.
+    fn code(&self, offset: usize) -> i32 {
+        match self.version {
             Version::One => self.i16_at(offset).into(),
             Version::Two => i32::from_ne_bytes(self.field(offset)),
-        };
-        (code(at.qform_code), code(at.sform_code))
+        }
     }
 
     /// `pixdim[0]`, the sign of the third axis of the quaternion's frame.

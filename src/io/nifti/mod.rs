@@ -9,18 +9,20 @@ mod placement;
 use std::path::{Path, PathBuf};
 
 use self::header::Header;
+use super::components::Components;
+use super::element::Element;
 use super::formats::FileReader;
 use super::grid::{self, Grid};
 use super::payload::{Coding, Payload};
 use super::source::{self, GZIP_MAGIC, Source, gunzipped_head};
 use super::{Format, HEAD_BYTES, ReadOptions};
 use crate::error::{Error, Result};
-use crate::volume::{Rescale, Volume};
+use crate::volume::{Content, Metadata, Rescale, Volume};
 
 pub(super) const FORMAT: Format = Format {
     name: "NIfTI",
     extensions: &["nii", "nii.gz", "hdr", "hdr.gz", "img", "img.gz"],
-    reads: "NIfTI-1 and -2, one file or a pair, plain or gzip, 3-D or 4-D",
+    reads: "NIfTI-1 and -2, one file or a pair, plain or gzip, 3-D or 4-D; colours, complex numbers",
     file: Some(FileReader {
         recognise: |head, path| {
             header::is_header(&gunzipped_head(head, header::MAX_BYTES))
@@ -40,7 +42,9 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
         return read(&header, options);
     }
     let header = Header::parse(path, &plain)?;
-    let element = header.element()?;
+    let (element, count) = header.element()?;
+    let colour = element == Element::U8;
+    let components = Components::of(path, count, element, colour, options.channel)?;
     let grid = Grid::new(path, "dim", &header.axes()?, element, options)?;
     let world_from_ix = placement::world_from_ix(&header)?;
     let rescale = rescale(&header)?;
@@ -63,9 +67,24 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
         endian: header.endian(),
         coding: if gzip { Coding::Gzip } else { Coding::Raw },
         skip,
+        components,
     };
     let voxels = payload.decode(source, options)?;
-    grid::volume(path, voxels, grid, world_from_ix, rescale)
+    let volume = grid::volume(path, voxels, grid, world_from_ix, rescale)?;
+    Ok(volume.with_metadata(metadata(&header)))
+}
+
+/// `intent_code` names labels (`NIFTI_INTENT_LABEL`, `NIFTI_INTENT_NEURONAME`); an echo time in `descrip`, as dcm2niix
+/// writes it, is one of magnetic resonance.
+fn metadata(header: &Header) -> Metadata {
+    let intent = header.intent_code().to_string();
+    let intents = &[("1002", Content::Labels), ("1005", Content::Labels)];
+    let mut metadata = Metadata::stated("NIfTI intent_code", &intent, intents);
+    if metadata.content.is_none() && header.description().starts_with("TE=") {
+        metadata = Metadata::stated("NIfTI descrip", "TE=", &[("TE=", Content::Mr)]);
+    }
+    let (qform, sform) = header.form_codes();
+    metadata.with_patient_axes(qform > 0 || sform > 0)
 }
 
 /// `scl_slope` 0, or not a number, means that there is no scaling.

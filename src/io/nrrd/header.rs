@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 use crate::io::source::{self, Source};
+use crate::volume::{Content, Metadata};
 
 /// What every header starts with; four digits of the version follow.
 pub(super) const MAGIC: &[u8] = b"NRRD00";
@@ -74,6 +75,8 @@ pub(super) struct Header {
     path: PathBuf,
     fields: BTreeMap<&'static str, String>,
     dimension: usize,
+    /// Key of a key/value pair that only segmentations have.
+    segment_key: Option<String>,
 }
 
 impl Header {
@@ -83,6 +86,7 @@ impl Header {
             path: source.path().to_path_buf(),
             fields: BTreeMap::new(),
             dimension: 0,
+            segment_key: None,
         };
         let mut budget = max_bytes;
         let magic = source.line(&mut budget)?.unwrap_or_default();
@@ -97,6 +101,13 @@ impl Header {
                 break;
             }
             header.take(&line)?;
+            if header
+                .get("data file")
+                .is_some_and(|files| files.starts_with("LIST"))
+            {
+                // Names of files follow, not fields.
+                break;
+            }
         }
         let dimension = header.required("dimension")?;
         header.dimension = dimension
@@ -124,6 +135,10 @@ impl Header {
             )));
         };
         if pair.is_some_and(|at| at <= name.len()) {
+            // 3D Slicer lists the segments of a label map in pairs of these names.
+            if name.starts_with("Segment") && name.ends_with("_LabelValue") {
+                self.segment_key = Some(name.to_owned());
+            }
             return Ok(());
         }
         let name = name.trim().to_ascii_lowercase();
@@ -154,6 +169,19 @@ impl Header {
     pub(super) fn required(&self, name: &str) -> Result<&str> {
         self.get(name)
             .ok_or_else(|| self.bad(&format!("field {name:?} is missing")))
+    }
+
+    /// Labels where segments are listed; axes of a patient where `space` is anatomical.
+    pub(super) fn metadata(&self) -> Metadata {
+        let anatomical = ["superior", "RAS", "LAS", "LPS"];
+        let space = self.get("space").unwrap_or_default();
+        Metadata {
+            content: self
+                .segment_key
+                .as_ref()
+                .map(|key| (Content::Labels, format!("NRRD key {key}"))),
+            patient_axes: anatomical.iter().any(|name| space.contains(name)),
+        }
     }
 
     /// Checks that a field has one value for each axis.

@@ -3,18 +3,20 @@
 //! Format: G. Kindlmann, *Definition of NRRD File Format*, <https://teem.sourceforge.net/nrrd/format.html>.
 
 mod header;
+mod layout;
 mod placement;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use self::header::Header;
+use self::layout::Layout;
 use super::detached;
 use super::element::Element;
 use super::formats::FileReader;
-use super::grid::{self, Grid};
+use super::grid;
 use super::payload::{Coding, Payload};
 use super::source::Source;
-use super::{Format, ReadOptions, text};
+use super::{Format, ReadOptions, parts, text};
 use crate::error::Result;
 use crate::scene::Endian;
 use crate::volume::{Rescale, Volume};
@@ -22,7 +24,7 @@ use crate::volume::{Rescale, Volume};
 pub(super) const FORMAT: Format = Format {
     name: "NRRD",
     extensions: &["nrrd", "nhdr"],
-    reads: "attached or detached, raw, gzip, text or hex, 3-D or 4-D",
+    reads: "attached, detached or in several files, raw, gzip, bzip2, text or hex; 3-D or 4-D, vectors, colours",
     file: Some(FileReader {
         recognise: |head, _| head.starts_with(header::MAGIC),
         read,
@@ -82,20 +84,11 @@ const ENCODINGS: &[(&str, Coding)] = &[
     ("text", Coding::Ascii),
     ("txt", Coding::Ascii),
     ("hex", Coding::Hex),
+    ("bzip2", Coding::Bzip2),
+    ("bz2", Coding::Bzip2),
 ];
 
 const ENDIANS: &[(&str, Endian)] = &[("little", Endian::Little), ("big", Endian::Big)];
-
-/// Kinds of axes along which voxels lie side by side; along others lie the parts of one value.
-const SCALAR_KINDS: &[(&str, ())] = &[
-    ("domain", ()),
-    ("space", ()),
-    ("time", ()),
-    ("scalar", ()),
-    ("stub", ()),
-    ("none", ()),
-    ("???", ()),
-];
 
 fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
     let mut source = Source::open(path)?;
@@ -106,12 +99,8 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
         "sizes",
         text::sizes(path, "sizes", header.required("sizes")?)?,
     )?;
-    let grid = Grid::new(path, "sizes", &sizes, element, options)?;
-    if let Some(kinds) = header.get("kinds") {
-        for kind in header.per_axis("kinds", kinds.split_whitespace().collect())? {
-            text::one_of(path, "kinds (of a scalar volume)", kind, SCALAR_KINDS)?;
-        }
-    }
+    let layout = Layout::of(&header, &sizes, element, options)?;
+    let grid = layout.grid;
     let coding = text::one_of(path, "encoding", header.required("encoding")?, ENCODINGS)?;
     let endian = match header.get("endian") {
         Some(endian) => text::one_of(path, "endian", endian, ENDIANS)?,
@@ -122,60 +111,108 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
             );
         }
     };
-    let world_from_ix = placement::world_from_ix(&header, grid.size)?;
+    let world_from_ix = placement::world_from_ix(&header, grid.size, layout.first)?;
 
-    if let Some(name) = header.get("data file") {
-        source = detached::open(path, "data file", name)?;
-    }
-    let skip = skip_to_data(&header, &mut source, coding, grid)?;
-    let payload = Payload {
+    let skip = Skip::of(&header, coding)?;
+    let mut payload = Payload {
         grid,
         element,
         endian,
         coding,
-        skip,
+        skip: 0,
+        components: layout.components,
     };
-    let voxels = payload.decode(source, options)?;
-    grid::volume(path, voxels, grid, world_from_ix, Rescale::default())
+    let voxels = match data_files(&header, &mut source, options)? {
+        Data::Files(files) => {
+            let to_data = move |source: &mut Source, bytes| skip.apply(source, bytes);
+            payload.decode_files(path, files, to_data, options)?
+        }
+        one => {
+            if let Data::File(file) = one {
+                source = file;
+            }
+            payload.skip = skip.apply(&mut source, payload.bytes(grid.all_bytes))?;
+            payload.decode(source, options)?
+        }
+    };
+    let volume = grid::volume(path, voxels, grid, world_from_ix, Rescale::default())?;
+    Ok(volume.with_metadata(header.metadata()))
 }
 
-/// Applies `line skip` to the file as it is. `byte skip` comes after that and, in compressed data, counts
-/// decompressed bytes: it is given back, unless it is -1, which means that the data are the end of the file.
-fn skip_to_data(header: &Header, source: &mut Source, coding: Coding, grid: Grid) -> Result<u64> {
-    let number = |key: &str| match header.get(key) {
-        Some(value) => value
-            .parse::<i64>()
-            .map_err(|_| header.bad(&format!("{key}: {value:?} is not a whole number"))),
-        None => Ok(0),
+/// Where the voxels are.
+enum Data {
+    /// After the header.
+    Attached,
+    File(Source),
+    Files(Vec<PathBuf>),
+}
+
+/// `data file` (section 7): a name, `LIST` with names on the lines that follow, or a pattern and three numbers.
+fn data_files(header: &Header, source: &mut Source, options: &ReadOptions<'_>) -> Result<Data> {
+    const KEY: &str = "data file";
+    let path = header.path();
+    let Some(value) = header.get(KEY) else {
+        return Ok(Data::Attached);
     };
-    let lines = u64::try_from(number("line skip")?)
-        .map_err(|_| header.bad("line skip: must not be negative"))?;
-    for skipped in 0..lines {
-        if !source.skip_line()? {
-            return Err(source.bad(format!(
-                "line skip: {lines} lines are to be skipped, the file has {skipped}"
-            )));
+    let words: Vec<&str> = value.split_whitespace().collect();
+    let limits = &options.limits;
+    let names = match words.as_slice() {
+        ["LIST"] | ["LIST", _] => parts::listed(source, limits)?,
+        [pattern, min, max, step] | [pattern, min, max, step, _] if pattern.contains('%') => {
+            let number = |text| text::number(path, KEY, text);
+            let numbers = [number(min)?, number(max)?, number(step)?];
+            parts::numbered(path, KEY, pattern, numbers, limits)?
         }
+        _ => return detached::open(path, KEY, value).map(Data::File),
+    };
+    parts::files(path, KEY, &names).map(Data::Files)
+}
+
+/// What lies before the data of a file: `line skip`, then `byte skip`.
+#[derive(Clone, Copy)]
+struct Skip {
+    lines: u64,
+    /// `None`: the data are the end of the file.
+    bytes: Option<u64>,
+}
+
+impl Skip {
+    fn of(header: &Header, coding: Coding) -> Result<Self> {
+        let number = |key: &str| match header.get(key) {
+            Some(value) => text::number::<i64>(header.path(), key, value),
+            None => Ok(0),
+        };
+        let lines = u64::try_from(number("line skip")?)
+            .map_err(|_| header.bad("line skip: must not be negative"))?;
+        let bytes = match number("byte skip")? {
+            -1 if coding == Coding::Raw => None,
+            bytes => Some(u64::try_from(bytes).map_err(|_| {
+                header.bad(&format!(
+                    "byte skip: {bytes} is not valid; a number from 0 is, and -1 with encoding raw"
+                ))
+            })?),
+        };
+        Ok(Self { lines, bytes })
     }
-    match number("byte skip")? {
-        -1 if coding == Coding::Raw => {
-            let before = source
-                .remaining()
-                .checked_sub(grid.all_bytes)
-                .ok_or_else(|| {
-                    source.bad(format!(
-                        "byte skip -1: the file has {} bytes left, the {:?} voxels need {}",
-                        source.remaining(),
-                        grid.size,
-                        grid.all_bytes
-                    ))
-                })?;
-            Ok(before)
+
+    /// Skips lines of a file, which has so many bytes of voxels; gives back the bytes to be skipped of the decoded data.
+    fn apply(self, source: &mut Source, voxel_bytes: u64) -> Result<u64> {
+        let lines = self.lines;
+        for skipped in 0..lines {
+            if !source.skip_line()? {
+                return Err(source.bad(format!(
+                    "line skip: {lines} lines are to be skipped, the file has {skipped}"
+                )));
+            }
         }
-        bytes => u64::try_from(bytes).map_err(|_| {
-            header.bad(&format!(
-                "byte skip: {bytes} is not valid; a number from 0 is, and -1 with encoding raw"
-            ))
-        }),
+        match self.bytes {
+            Some(bytes) => Ok(bytes),
+            None => source.remaining().checked_sub(voxel_bytes).ok_or_else(|| {
+                source.bad(format!(
+                    "byte skip -1: the file has {} bytes left, the voxels need {voxel_bytes}",
+                    source.remaining()
+                ))
+            }),
+        }
     }
 }

@@ -4,6 +4,7 @@ use glam::{DAffine3, DVec3};
 
 use super::header::Header;
 use crate::error::Result;
+use crate::io::units::millimetres;
 use crate::io::{grid, text};
 
 /// Signs that turn the axes of a `space` (section 4) into left, posterior, superior. Spaces that are not
@@ -20,39 +21,19 @@ const SPACES: &[(&str, DVec3)] = &[
     ("3D-left-handed", DVec3::ONE),
 ];
 
-/// Millimetres in units of length. Other units (pixels, for one) say nothing about size.
-const UNITS: &[(&str, f64)] = &[
-    ("nm", 1e-6),
-    ("nanometer", 1e-6),
-    ("nanometers", 1e-6),
-    ("um", 1e-3),
-    ("µm", 1e-3),
-    ("micron", 1e-3),
-    ("microns", 1e-3),
-    ("micrometer", 1e-3),
-    ("micrometers", 1e-3),
-    ("mm", 1.0),
-    ("millimeter", 1.0),
-    ("millimeters", 1.0),
-    ("cm", 10.0),
-    ("centimeter", 10.0),
-    ("centimeters", 10.0),
-    ("m", 1000.0),
-    ("meter", 1000.0),
-    ("meters", 1000.0),
-];
-
 /// World (mm, LPS) from voxel index: from `space directions`, else from `spacings`, else from `axis mins` and
 /// `axis maxs`, else one millimetre per voxel.
-pub(super) fn world_from_ix(header: &Header, size: [u32; 3]) -> Result<DAffine3> {
+///
+/// The axes of space are three, the first of them is number `first`.
+pub(super) fn world_from_ix(header: &Header, size: [u32; 3], first: usize) -> Result<DAffine3> {
     let path = header.path();
     let (keys, steps, axis_origin) = match header.get("space directions") {
         Some(directions) => (
             "space directions",
-            oriented_steps(header, directions)?,
+            oriented_steps(header, directions, first)?,
             DVec3::ZERO,
         ),
-        None => aligned_steps(header, size)?,
+        None => aligned_steps(header, size, first)?,
     };
     let lps_from_space = match header.get("space") {
         Some(space) => text::one_of(path, "space", space, SPACES)?,
@@ -68,7 +49,7 @@ pub(super) fn world_from_ix(header: &Header, size: [u32; 3]) -> Result<DAffine3>
     };
     // Without `space directions` the index axes are not tied to the axes of the space.
     let oriented = header.get("space directions").is_some();
-    let world_from_space = lps_from_space * unit_scale(header, "space units")?;
+    let world_from_space = lps_from_space * unit_scale(header, "space units", 0)?;
     let steps = if oriented {
         steps.map(|step| step * world_from_space)
     } else {
@@ -78,79 +59,85 @@ pub(super) fn world_from_ix(header: &Header, size: [u32; 3]) -> Result<DAffine3>
     grid::placement(path, &keys, steps, origin * world_from_space)
 }
 
-fn oriented_steps(header: &Header, directions: &str) -> Result<[DVec3; 3]> {
+fn oriented_steps(header: &Header, directions: &str, first: usize) -> Result<[DVec3; 3]> {
     let path = header.path();
     if let Some(dimension) = header.get("space dimension") {
         text::one_of(path, "space dimension", dimension, &[("3", ())])?;
     }
     let all = vectors(header, "space directions", directions)?;
-    match header.per_axis("space directions", all)?.as_slice() {
+    let all = header.per_axis("space directions", all)?;
+    match all.get(first..).unwrap_or_default() {
         &[Some(x), Some(y), Some(z), ..] => Ok([x, y, z]),
         _ => Err(header.bad(&format!(
-            "space directions: {directions:?} must have vectors, not none, for the first three axes"
+            "space directions: {directions:?} must have vectors, not none, for the three axes of space"
         ))),
     }
 }
 
 /// Steps along the axes of the world, and the origin they come with.
-fn aligned_steps(header: &Header, size: [u32; 3]) -> Result<(&'static str, [DVec3; 3], DVec3)> {
-    let scale = unit_scale(header, "units")?;
+fn aligned_steps(
+    header: &Header,
+    size: [u32; 3],
+    first: usize,
+) -> Result<(&'static str, [DVec3; 3], DVec3)> {
+    let scale = unit_scale(header, "units", first)?;
     let along = |spacing: DVec3| {
         let [x, y, z] = DVec3::AXES;
         [x * spacing.x, y * spacing.y, z * spacing.z]
     };
-    if let Some(spacing) = first_three(header, "spacings")? {
+    if let Some(spacing) = three_from(header, "spacings", first)? {
         return Ok(("spacings", along(spacing * scale), DVec3::ZERO));
     }
     let (Some(min), Some(max)) = (
-        first_three(header, "axis mins")?,
-        first_three(header, "axis maxs")?,
+        three_from(header, "axis mins", first)?,
+        three_from(header, "axis maxs", first)?,
     ) else {
         return Ok(("spacings", along(scale), DVec3::ZERO));
     };
     // Minimum and maximum are the outer voxels' centres (node) or outer faces (cell); section 6, `centers`.
     let mut node = [0.0; 3];
     let centers = header.get("centers").unwrap_or_default();
-    for (node, center) in node.iter_mut().zip(centers.split_whitespace()) {
+    for (node, center) in node.iter_mut().zip(centers.split_whitespace().skip(first)) {
         *node = f64::from(u8::from(center.eq_ignore_ascii_case("node")));
     }
     let node = DVec3::from_array(node);
     let intervals = DVec3::from_array(size.map(f64::from)) - node;
-    let first = (DVec3::ONE - node) * 0.5;
+    let before = (DVec3::ONE - node) * 0.5;
     let spacing = (max - min) / intervals;
     Ok((
         "axis mins and axis maxs",
         along(spacing * scale),
-        (min + spacing * first) * scale,
+        (min + spacing * before) * scale,
     ))
 }
 
-/// The numbers of a per-axis field for the axes that remain.
-fn first_three(header: &Header, key: &str) -> Result<Option<DVec3>> {
+/// The numbers of a per-axis field for the axes of space.
+fn three_from(header: &Header, key: &str, first: usize) -> Result<Option<DVec3>> {
     let Some(field) = header.get(key) else {
         return Ok(None);
     };
     let all = header.per_axis(key, text::numbers(header.path(), key, field, "a number")?)?;
     Ok(all
-        .first_chunk::<3>()
+        .get(first..)
+        .and_then(<[f64]>::first_chunk::<3>)
         .map(|&first| DVec3::from_array(first)))
 }
 
 /// Millimetres per unit on each axis, from a field of quoted names.
-fn unit_scale(header: &Header, key: &str) -> Result<DVec3> {
+fn unit_scale(header: &Header, key: &str, first: usize) -> Result<DVec3> {
     let mut scale = DVec3::ONE.to_array();
     let Some(field) = header.get(key) else {
         return Ok(DVec3::ONE);
     };
-    let quoted: Vec<&str> = field.split('"').skip(1).step_by(2).collect();
+    let quoted: Vec<&str> = field.split('"').skip(1).step_by(2).skip(first).collect();
     if quoted.len() < 3 {
         return Err(header.bad(&format!(
             "{key}: {field:?} must have a quoted name for each axis"
         )));
     }
     for (scale, name) in scale.iter_mut().zip(quoted) {
-        let known = UNITS.iter().find(|(unit, _)| *unit == name);
-        *scale = known.map_or(1.0, |&(_, mm)| mm);
+        // Other units (pixels, for one) say nothing about size.
+        *scale = millimetres(name).unwrap_or(1.0);
     }
     Ok(DVec3::from_array(scale))
 }

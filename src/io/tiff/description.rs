@@ -7,21 +7,7 @@ use std::path::Path;
 use crate::error::Result;
 use crate::io::ReadOptions;
 use crate::io::source::bad;
-
-/// Millimetres in the units that microscopes write.
-const UNITS: &[(&str, f64)] = &[
-    ("nm", 1e-6),
-    ("µm", 1e-3),
-    ("μm", 1e-3),
-    ("um", 1e-3),
-    ("\\u00B5m", 1e-3),
-    ("micron", 1e-3),
-    ("microns", 1e-3),
-    ("mm", 1.0),
-    ("cm", 10.0),
-    ("m", 1000.0),
-    ("inch", 25.4),
-];
+use crate::io::units::millimetres;
 
 /// What the pages themselves say.
 pub(super) struct Pages {
@@ -40,6 +26,8 @@ pub(super) struct Layout {
     pages_per_slice: usize,
     /// Millimetres, when the description says it.
     pub(super) spacing: Option<[f64; 3]>,
+    /// The description is OME-XML, which microscopes write.
+    pub(super) is_ome: bool,
 }
 
 impl Layout {
@@ -124,6 +112,7 @@ impl Layout {
             first_page,
             pages_per_slice,
             spacing,
+            is_ome: ome_pixels(text).is_some(),
         })
     }
 
@@ -177,11 +166,6 @@ fn imagej_spacing(text: &str, [x, y]: [Option<f64>; 2]) -> Option<[f64; 3]> {
     let (x, y) = (mm / x?, mm / y?);
     let z = line(text, "spacing").and_then(|n| n.parse::<f64>().ok());
     Some([x, y, z.map_or(x, |z| z.abs() * mm)])
-}
-
-fn millimetres(unit: &str) -> Option<f64> {
-    let known = UNITS.iter().find(|(name, _)| *name == unit);
-    known.map(|&(_, mm)| mm)
 }
 
 /// The value of a line `key=value`.

@@ -4,6 +4,7 @@
 //! How pages are meant and spaced is in the first page's description: OME-XML or ImageJ. Other files do not say it
 //! reliably; 1 mm is taken.
 
+mod claims;
 mod description;
 
 use std::fs::File;
@@ -23,7 +24,7 @@ use super::slices::{Picture, check_claim, stack};
 use super::source::bad;
 use super::{Format, Limits, ReadOptions, grid};
 use crate::error::{Error, Result};
-use crate::volume::{Rescale, Volume, Voxels};
+use crate::volume::{Content, Metadata, Rescale, Volume, Voxels};
 
 pub(super) const FORMAT: Format = Format {
     name: "TIFF",
@@ -54,10 +55,9 @@ fn is_member(member: &Member) -> bool {
 
 fn read_pages(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
     let limits = options.limits;
-    let open = || {
-        let file = File::open(path).map_err(|e| Error::io(path, e))?;
-        decoder(path, BufReader::new(file), &limits)
-    };
+    let file = || File::open(path).map_err(|e| Error::io(path, e));
+    claims::check(path, &mut BufReader::new(file()?))?;
+    let open = || decoder(path, BufReader::new(file()?), &limits);
     let file_len = std::fs::metadata(path)
         .map_err(|e| Error::io(path, e))?
         .len();
@@ -120,7 +120,14 @@ fn read_pages(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
     let [x, y, z] = DVec3::AXES;
     let steps = [x * spacing.x, y * spacing.y, z * spacing.z];
     let world_from_ix = grid::placement(path, "spacing", steps, DVec3::ZERO)?;
-    grid::volume(path, voxels, grid, world_from_ix, Rescale::default())
+    let volume = grid::volume(path, voxels, grid, world_from_ix, Rescale::default())?;
+    let content = layout
+        .is_ome
+        .then(|| (Content::Microscopy, "OME-XML".into()));
+    Ok(volume.with_metadata(Metadata {
+        content,
+        patient_axes: false,
+    }))
 }
 
 fn read_folder(bundle: &Bundle, options: &ReadOptions<'_>) -> Result<Volume> {
@@ -153,6 +160,7 @@ fn read_folder(bundle: &Bundle, options: &ReadOptions<'_>) -> Result<Volume> {
             .ok_or_else(|| bad(path, "there is no page".into()))?;
         let bytes = file.bytes(&limits)?;
         let path = path_of(k);
+        claims::check(&path, &mut Cursor::new(&bytes[..]))?;
         let mut decoder = decoder(&path, Cursor::new(&bytes[..]), &limits)?;
         if decoder.more_images() {
             return Err(bad(

@@ -8,7 +8,7 @@ use flate2::read::ZlibDecoder;
 use super::find;
 use super::markup::Element as Tag;
 use crate::error::{Error, Result};
-use crate::io::payload::{Coding, reserve};
+use crate::io::payload::{Coding, MAX_DEFLATE_RATIO, reserve};
 use crate::io::source::{bad, read_error};
 use crate::io::text;
 use crate::scene::Endian;
@@ -146,6 +146,9 @@ fn inflated(
         let (table, data) = encoded.split_at_checked(end).ok_or_else(cut)?;
         (base64(table), base64(data))
     };
+    if wanted / MAX_DEFLATE_RATIO > data.len() as u64 {
+        return Err(cut());
+    }
     let mut bytes = reserve(usize::try_from(wanted).map_err(|_| cut())?)?;
     let mut rest = data.as_slice();
     for block in 0..blocks {

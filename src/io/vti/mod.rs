@@ -11,12 +11,13 @@ use std::path::Path;
 use glam::DVec3;
 
 use self::markup::Element as Tag;
+use super::components::Components;
 use super::element::Element;
 use super::formats::FileReader;
 use super::grid::{self, Grid};
 use super::payload::Payload;
 use super::source::{Source, bad};
-use super::{Format, ReadOptions, text};
+use super::{Format, ReadOptions, bundle, text};
 use crate::error::Result;
 use crate::scene::Endian;
 use crate::volume::{Rescale, Volume};
@@ -52,7 +53,7 @@ const TYPES: &[(&str, Element)] = &[
 const APPENDED: &[u8] = b"<AppendedData";
 
 fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
-    let bytes = whole_file(path, options)?;
+    let bytes = bundle::whole_file(path, &options.limits)?;
     let split = find(&bytes, APPENDED).unwrap_or(bytes.len());
     let (head, appended) = bytes.split_at_checked(split).unwrap_or((&bytes, &[]));
     let head = String::from_utf8_lossy(head);
@@ -64,16 +65,19 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
     }
     let (array, on_cells) = scalars(path, &head)?;
     let components = array.attribute("NumberOfComponents").unwrap_or("1");
-    text::one_of(
-        path,
-        "NumberOfComponents (of a scalar volume)",
-        components,
-        &[("1", ()), ("0", ())],
-    )?;
+    let components = text::number(path, "NumberOfComponents", components)?;
     let kind = array
         .attribute("type")
         .ok_or_else(|| missing("type of the DataArray"))?;
     let element = text::one_of(path, "type", kind, TYPES)?;
+    // 0 is written of arrays that nothing was said about.
+    let components = Components::of(
+        path,
+        u64::max(components, 1),
+        element,
+        false,
+        options.channel,
+    )?;
 
     let extent = image
         .attribute("WholeExtent")
@@ -104,38 +108,18 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
         )?,
         None => Endian::Little,
     };
-    let (bytes, coding) = data::array(path, &file, &array, appended, grid.bytes, endian)?;
+    let voxel_bytes = grid.bytes.saturating_mul(components.count as u64);
+    let (bytes, coding) = data::array(path, &file, &array, appended, voxel_bytes, endian)?;
     let payload = Payload {
         grid,
         element,
         endian,
         coding,
         skip: 0,
+        components,
     };
     let voxels = payload.decode(Source::from_bytes(path, bytes), options)?;
     grid::volume(path, voxels, grid, world_from_ix, Rescale::default())
-}
-
-fn whole_file(path: &Path, options: &ReadOptions<'_>) -> Result<Vec<u8>> {
-    use std::io::Read;
-    let mut source = Source::open(path)?;
-    let len = source.remaining();
-    if len > options.limits.max_bytes {
-        return Err(bad(
-            path,
-            format!(
-                "it has {len} bytes; the limit is {}",
-                options.limits.max_bytes
-            ),
-        ));
-    }
-    let mut bytes = super::payload::reserve(len as usize)?;
-    source
-        .by_ref()
-        .take(len)
-        .read_to_end(&mut bytes)
-        .map_err(|e| super::source::read_error(path, e))?;
-    Ok(bytes)
 }
 
 /// The array that is named as scalars, else the first; of points, else of cells. True for cells.

@@ -20,6 +20,9 @@ pub use overrides::Override;
 /// Scene files above this are refused unread. The largest sensible ones hold some thousand control points.
 const MAX_BYTES: u64 = 64 << 20;
 
+/// Behind volumes that come without a scene: dark, and yet lighter than what lies in shadow.
+const BACKGROUND: [f64; 3] = [0.09, 0.10, 0.12];
+
 impl Scene {
     /// Reads a scene file. `volume.path` becomes relative to the working directory.
     ///
@@ -65,23 +68,39 @@ impl Scene {
         let mut scene = Self::from_value(unique_keys::parse(text)?, overrides)?;
         // `join` keeps an absolute path as it is.
         scene.volume.path = folder.join(&scene.volume.path);
+        if let Some(file) = &mut scene.transfer_function.file {
+            *file = folder.join(&*file);
+        }
         Ok(scene)
     }
 
-    /// The scene for a volume that comes without one: automatic camera and transfer function, diffuse shading,
-    /// ambient occlusion.
+    /// The scene for a volume that comes without one, before the volume is known: automatic camera and transfer
+    /// function, diffuse shading, ambient occlusion. [`super::FirstPicture`] suits it to the volume.
     ///
     /// # Errors
     /// [`Error::Invalid`] for an override that does not fit.
     pub fn for_volume(path: &Path, overrides: &[Override]) -> Result<Self> {
+        Self::for_volume_with(path, json!({ "ambient_occlusion": {} }), overrides)
+    }
+
+    /// The same with other parts of the scene, which `overrides` may change.
+    pub(super) fn for_volume_with(
+        path: &Path,
+        mut parts: Value,
+        overrides: &[Override],
+    ) -> Result<Self> {
         // Paths that are not UTF-8 do not survive JSON: the original is put back unless it was overridden.
         let name = path.to_string_lossy();
-        let value = json!({
-            "volume": { "path": name },
-            "lighting": { "shading": "diffuse", "ambient": 0.6, "diffuse": 1.0 },
-            "ambient_occlusion": {},
-        });
-        let mut scene = Self::from_value(value, overrides)?;
+        parts["volume"] = json!({ "path": name });
+        parts["image"] = json!({ "background": BACKGROUND });
+        parts["lighting"] = json!({ "shading": "diffuse", "ambient": 0.6, "diffuse": 1.0 });
+        // A camera of another type has none of the keys of ours.
+        if overrides.iter().any(|one| one.is_at(&["camera", "type"])) {
+            parts["camera"] = json!({});
+        } else if parts["camera"].is_null() {
+            parts["camera"] = json!({ "type": "auto", "frame": "visible" });
+        }
+        let mut scene = Self::from_value(parts, overrides)?;
         if scene.volume.path.as_os_str() == name.as_ref() {
             scene.volume.path = path.to_path_buf();
         }

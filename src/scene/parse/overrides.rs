@@ -42,6 +42,11 @@ impl Override {
         Ok(Self { keys, value })
     }
 
+    /// Whether it sets the value at a place.
+    pub(super) fn is_at(&self, keys: &[&str]) -> bool {
+        self.keys == keys
+    }
+
     /// Puts the value in its place. Objects that are missing or `null` on the way there are created.
     ///
     /// # Errors

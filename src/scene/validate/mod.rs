@@ -276,14 +276,28 @@ impl TransferFunction {
             let at = "transfer_function.unit_distance";
             require(positive(unit), at, Number(unit), "a number > 0 (mm)")?;
         }
+        let given = [
+            ("points", self.points.is_some()),
+            ("preset", self.preset.is_some()),
+            ("file", self.file.is_some()),
+        ];
+        let mut given = given.iter().filter(|(_, is_given)| *is_given);
+        if let (Some((one, _)), Some((other, _))) = (given.next(), given.next()) {
+            return Err(Error::invalid(
+                "transfer_function",
+                format!(
+                    "has both \"{one}\" and \"{other}\"; give one of them, or neither for an automatic one"
+                ),
+            ));
+        }
         if let Some(name) = &self.preset {
-            if self.points.is_some() {
-                return Err(Error::invalid(
-                    "transfer_function",
-                    "has both \"points\" and \"preset\"; give one of them, or neither for an automatic one",
-                ));
-            }
             crate::scene::presets::find(name)?;
+        }
+        if let Some([low, high]) = self.range {
+            let at = "transfer_function.range";
+            let valid = finite(low) && finite(high) && low < high && self.file.is_some();
+            let wanted = "two ascending numbers, and \"file\" beside it";
+            require(valid, at, [Number(low), Number(high)], wanted)?;
         }
         let points = self.points.as_deref();
         if points.is_some_and(<[_]>::is_empty) {

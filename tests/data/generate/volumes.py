@@ -3,40 +3,19 @@
     pip install numpy pydicom SimpleITK tifffile pillow astropy imagecodecs nibabel vtk
     python tests/data/generate/volumes.py
 
-`expected.json` holds, for each file, the size, the world step of each index axis, the first voxel's place (mm, LPS)
-and the values, x fastest. Steps and places are those that were asked of the libraries.
+Steps and places are those that were asked of the libraries.
 """
 
 import io
-import json
 import pathlib
 import tarfile
-import zipfile
 
 import numpy as np
 
-OUT = pathlib.Path(__file__).resolve().parent.parent / "formats"
-NX, NY, NZ = 7, 6, 5
-EXPECTED = {}
+from phantom import NX, NY, NZ, OUT, Expected, phantom, zipped
 
-
-def phantom(least=0, step=13):
-    """No flip or swap of axes keeps it: z, y, x."""
-    z, y, x = np.mgrid[:NZ, :NY, :NX]
-    return least + step * (x + 7 * y) % 251 + 30 * z * z + (x > 3) * 5
-
-
-def expect(name, values, steps=((1, 0, 0), (0, 1, 0), (0, 0, 1)), origin=(0, 0, 0), **select):
-    values = np.asarray(values)
-    EXPECTED.setdefault(name, []).append(
-        {
-            "size": list(values.shape[::-1]),
-            "steps": np.asarray(steps, float).tolist(),
-            "origin": np.asarray(origin, float).tolist(),
-            "values": values.ravel().astype(float).tolist(),
-            **select,
-        }
-    )
+EXPECTED = Expected()
+expect = EXPECTED.add
 
 
 def tar(name, files, mode):
@@ -45,12 +24,6 @@ def tar(name, files, mode):
             info = tarfile.TarInfo(member)
             info.size = len(data)
             archive.addfile(info, io.BytesIO(data))
-
-
-def zipped(name, files, compression=zipfile.ZIP_DEFLATED):
-    with zipfile.ZipFile(OUT / name, "w", compression) as archive:
-        for member, data in files:
-            archive.writestr(zipfile.ZipInfo(member), data, compression)
 
 
 # --- DICOM -----------------------------------------------------------------------------------------------------------
@@ -354,7 +327,7 @@ def main():
     arrays()
     vtk_images()
     nifti()
-    (OUT / "expected.json").write_text(json.dumps(EXPECTED) + "\n")
+    EXPECTED.write("expected.json")
 
 
 main()

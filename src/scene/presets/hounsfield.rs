@@ -1,40 +1,26 @@
-//! Built-in transfer functions, for CT in Hounsfield units.
+//! Transfer functions for CT in Hounsfield units.
 //!
 //! Anchors on the scale: air -1000, lung -850…-500, fat -120…-60, water 0, muscle 30…70, blood with contrast
-//! agent 150…450, spongy bone 150…500, compact bone 500…2000, metal above. Opacities hold over one voxel of the
-//! finest level unless the scene gives `unit_distance`.
+//! agent 150…450, spongy bone 150…500, compact bone 500…2000, metal above.
 
-use super::ControlPoint;
-use crate::error::{Error, Result};
+use super::{Preset, Scale};
 
-/// A named transfer function.
-#[derive(Clone, Copy, Debug)]
-pub struct Preset {
-    /// What scene files call it.
-    pub name: &'static str,
-    /// What it shows.
-    pub description: &'static str,
-    /// Hounsfield units, display colour, opacity.
-    points: &'static [(f64, [f64; 3], f64)],
-}
-
-/// Every built-in transfer function.
-pub const PRESETS: &[Preset] = &[
+pub(super) const PRESETS: [Preset; 5] = [
     Preset {
         name: "ct-bone",
         description: "skeleton, with vessels and organs that hold contrast agent, in ivory",
-        points: &[
+        scale: Scale::Hounsfield(&[
             (150.0, [0.55, 0.22, 0.14], 0.0),
             (220.0, [0.80, 0.50, 0.36], 0.10),
             (350.0, [0.93, 0.80, 0.64], 0.45),
             (700.0, [0.99, 0.95, 0.86], 0.85),
             (1800.0, [1.0, 1.0, 0.98], 0.95),
-        ],
+        ]),
     },
     Preset {
         name: "ct-angio",
         description: "vessels with contrast agent in red, bone in ivory, metal in steel blue",
-        points: &[
+        scale: Scale::Hounsfield(&[
             (160.0, [0.45, 0.03, 0.03], 0.0),
             (220.0, [0.72, 0.10, 0.07], 0.25),
             (380.0, [0.88, 0.30, 0.18], 0.50),
@@ -42,12 +28,12 @@ pub const PRESETS: &[Preset] = &[
             (1000.0, [1.0, 0.96, 0.88], 0.90),
             (2000.0, [1.0, 1.0, 0.98], 0.95),
             (2400.0, [0.62, 0.72, 0.82], 0.98),
-        ],
+        ]),
     },
     Preset {
         name: "ct-soft-tissue",
         description: "organs and muscle, fat as a veil, bone through it",
-        points: &[
+        scale: Scale::Hounsfield(&[
             (-140.0, [0.85, 0.66, 0.42], 0.0),
             (-90.0, [0.88, 0.70, 0.45], 0.008),
             (-20.0, [0.80, 0.50, 0.38], 0.01),
@@ -56,68 +42,30 @@ pub const PRESETS: &[Preset] = &[
             (180.0, [0.85, 0.45, 0.32], 0.25),
             (350.0, [0.95, 0.84, 0.68], 0.60),
             (1000.0, [1.0, 0.97, 0.90], 0.92),
-        ],
+        ]),
     },
     Preset {
         name: "ct-muscle-and-skin",
         description: "the body's surface: skin over muscle, opaque",
-        points: &[
+        scale: Scale::Hounsfield(&[
             (-500.0, [0.80, 0.55, 0.42], 0.0),
             (-250.0, [0.87, 0.64, 0.51], 0.15),
             (-100.0, [0.90, 0.68, 0.54], 0.35),
             (20.0, [0.78, 0.36, 0.28], 0.60),
             (150.0, [0.84, 0.46, 0.36], 0.75),
             (400.0, [0.97, 0.90, 0.78], 0.92),
-        ],
+        ]),
     },
     Preset {
         name: "ct-lung",
         description: "lung and airways; the body around them left out",
-        points: &[
+        scale: Scale::Hounsfield(&[
             (-960.0, [0.30, 0.42, 0.55], 0.0),
             (-900.0, [0.42, 0.50, 0.62], 0.004),
             (-750.0, [0.70, 0.52, 0.52], 0.01),
             (-600.0, [0.85, 0.55, 0.48], 0.06),
             (-450.0, [0.92, 0.62, 0.50], 0.16),
             (-250.0, [0.90, 0.55, 0.45], 0.0),
-        ],
+        ]),
     },
 ];
-
-/// The preset of a name.
-///
-/// # Errors
-/// [`Error::Invalid`] listing every name, the nearest first.
-pub(super) fn find(name: &str) -> Result<&'static Preset> {
-    PRESETS.iter().find(|p| p.name == name).ok_or_else(|| {
-        let mut names: Vec<&str> = PRESETS.iter().map(|p| p.name).collect();
-        let nearest = names
-            .iter()
-            .copied()
-            .min_by_key(|valid| strsim::damerau_levenshtein(name, valid))
-            .unwrap_or_default();
-        names.sort_unstable();
-        Error::invalid(
-            "transfer_function.preset",
-            format!(
-                "{name:?} is not available; did you mean \"{nearest}\"? This version has {}",
-                names.join(", ")
-            ),
-        )
-    })
-}
-
-impl Preset {
-    /// As a scene file would list them.
-    pub fn control_points(&self) -> Vec<ControlPoint> {
-        self.points
-            .iter()
-            .map(|&(value, color, opacity)| ControlPoint {
-                value,
-                color,
-                opacity,
-                emission: [0.0; 3],
-            })
-            .collect()
-    }
-}

@@ -7,6 +7,9 @@ use std::process::{Command, Stdio};
 
 use serde_json::{Value, json};
 
+mod conformance;
+mod probe;
+mod reproduce;
 mod transfer;
 mod workplace;
 
@@ -18,7 +21,15 @@ fn help_and_version_are_results() {
     assert!(place.succeed(&["--version"]).starts_with("umbravox "));
     let help = place.succeed(&["--help"]);
     for command in [
-        "render", "info", "tf", "light", "bench", "devices", "schema",
+        "render",
+        "info",
+        "probe",
+        "tf",
+        "light",
+        "bench",
+        "conformance",
+        "devices",
+        "schema",
     ] {
         assert!(help.contains(&format!("\n  {command}")), "{help}");
     }

@@ -67,11 +67,10 @@ pub(crate) fn read_volume(scene: &Scene) -> Result<Arc<Volume>> {
 /// Bytes of an input that are searched for the names of its data files.
 const HEADER_BYTES: u64 = 64 << 10;
 
-/// Checks that a file can be put at `output` and that nothing is read from there. Gives the output's place, the same for every
+/// Checks that a file can be put at `output` and that none of `inputs` is read from there. Gives the output's place, the same for every
 /// way of writing it.
-pub(crate) fn check_output(output: &Path, args: &InputArgs, scene: &Scene) -> Result<PathBuf> {
+pub(crate) fn check_output(output: &Path, inputs: [&Path; 2]) -> Result<PathBuf> {
     output::check_place(output)?;
-    let inputs = [args.path.as_path(), scene.volume.path.as_path()];
     check_no_input(output, inputs.into_iter())?;
     let folder = match output.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,

@@ -7,6 +7,7 @@ use std::process::{Command, Stdio};
 
 use serde_json::{Value, json};
 
+mod labels;
 mod transfer;
 mod workplace;
 

@@ -48,7 +48,7 @@ fn overrides(args: &InputArgs) -> Result<Vec<Override>> {
     args.overrides.iter().map(parse).collect()
 }
 
-/// The volume of a scene, with a progress bar.
+/// The volume of a scene with its labels, and a progress bar.
 pub(crate) fn read_volume(scene: &Scene) -> Result<Arc<Volume>> {
     let bar = progress::reading();
     let show = |read, all| {
@@ -61,7 +61,11 @@ pub(crate) fn read_volume(scene: &Scene) -> Result<Arc<Volume>> {
     };
     let volume = io::read(&scene.volume.path, &options);
     bar.finish_and_clear();
-    volume.map(Arc::new)
+    let labels = scene.volume.labels.as_ref();
+    let labels = labels
+        .map(|labels| io::read_labels(&labels.path, &ReadOptions::default()).map(Arc::new))
+        .transpose();
+    Ok(Arc::new(volume?.with_labels(labels?)?))
 }
 
 /// Bytes of an input that are searched for the names of its data files.
@@ -72,7 +76,8 @@ const HEADER_BYTES: u64 = 64 << 10;
 pub(crate) fn check_output(output: &Path, args: &InputArgs, scene: &Scene) -> Result<PathBuf> {
     output::check_place(output)?;
     let inputs = [args.path.as_path(), scene.volume.path.as_path()];
-    check_no_input(output, inputs.into_iter())?;
+    let labels = scene.volume.labels.iter().map(|l| l.path.as_path());
+    check_no_input(output, inputs.into_iter().chain(labels))?;
     let folder = match output.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

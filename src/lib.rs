@@ -1,8 +1,11 @@
 //! Volume renderer on raw Vulkan compute.
 
+pub mod analytic;
 mod atlas;
+pub mod conformance;
 pub mod embed;
 pub mod error;
+pub mod field;
 pub mod gpu;
 pub mod headless;
 pub mod io;

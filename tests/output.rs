@@ -135,6 +135,70 @@ fn png_carries_provenance() {
     image::open(&path).unwrap();
 }
 
+#[test]
+fn provenance_is_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = [
+        (
+            "Scene",
+            r#"{"volume":{"path":"C:\\Schädel 頭 🙂"}}"#.to_owned(),
+        ),
+        ("Source", "Schädel 頭 🙂.nrrd".to_owned()),
+        ("Software", "umbravox".to_owned()),
+    ];
+    let mut expected: Vec<(String, String)> = written
+        .iter()
+        .map(|(name, text)| ((*name).to_owned(), text.clone()))
+        .collect();
+    expected.sort();
+    for name in ["a.png", "a.exr"] {
+        let path = folder.path().join(name);
+        output::write(&path, &picture(), &Image::default(), &written).unwrap();
+        let mut read = output::read_provenance(&path).unwrap();
+        read.sort();
+        assert_eq!(read, expected, "{name}");
+    }
+    let path = folder.path().join("text");
+    for content in ["", "no picture at all", "\x7fELF"] {
+        fs::write(&path, content).unwrap();
+        let error = output::read_provenance(&path).unwrap_err();
+        assert!(error.is_bad_input(), "{error}");
+    }
+}
+
+/// Pictures cut off anywhere, and with any byte of their beginning changed: an error or some text, never a panic.
+#[test]
+fn damaged_pictures_are_refused_or_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = [("Source", "head.nrrd".to_owned())];
+    for name in ["a.png", "a.exr"] {
+        let path = folder.path().join(name);
+        output::write(&path, &picture(), &Image::default(), &written).unwrap();
+        let whole = fs::read(&path).unwrap();
+        let mut refused = 0;
+        let mut read = |bytes: &[u8]| {
+            fs::write(&path, bytes).unwrap();
+            match output::read_provenance(&path) {
+                Ok(_) => {}
+                Err(error) => {
+                    assert!(error.is_bad_input(), "{error}");
+                    refused += 1;
+                }
+            }
+        };
+        let count = whole.len().min(700);
+        for at in 0..count {
+            read(&whole[..at]);
+            for value in [0, 0x7f, 0xff] {
+                let mut changed = whole.clone();
+                changed[at] = value;
+                read(&changed);
+            }
+        }
+        assert!(refused > count / 2, "{name}: {refused}");
+    }
+}
+
 /// Type and content of every chunk; sums are checked.
 fn png_chunks(bytes: &[u8]) -> Vec<(String, &[u8])> {
     let mut chunks = Vec::new();

@@ -82,6 +82,10 @@ impl Uploads {
             distances,
         } = *resources;
         let mut uploaded = 0;
+        if self.next == 0 && !residency.layout.is_grid() {
+            // Filters read the texel after a brick's last with weight 0, which only a number makes nothing.
+            recorder.clear(&images.atlas);
+        }
         if !self.bricks_complete() {
             uploaded += self.bricks(context, recorder, resources, budget)?;
             self.index = true;

@@ -1,6 +1,8 @@
 //! Rendering without a host: a device of our own, pictures read back.
 
 mod light_volume;
+mod probe;
+mod provenance;
 mod stats;
 
 use std::sync::{Arc, Mutex, PoisonError};
@@ -18,6 +20,8 @@ use crate::volume::Volume;
 
 pub use crate::gpu::DeviceInfo;
 pub use light_volume::LightVolume;
+pub use probe::{Hit, PixelProbe};
+pub use provenance::Provenance;
 pub use stats::{
     BlockStats, DeviceStats, ImageStats, LightStats, MemoryStats, PassStats, SampleStats, Stats,
 };

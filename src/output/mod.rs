@@ -10,6 +10,7 @@ mod plot;
 mod png;
 mod sheet;
 
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
@@ -84,6 +85,28 @@ impl Target {
 /// As those two.
 pub fn write(path: &Path, picture: &Picture, image: &Image, provenance: Provenance) -> Result<()> {
     Target::new(path)?.write(picture, image, provenance)
+}
+
+/// Keywords and texts that [`Target::write`] put into a picture's metadata; of other pictures, the text chunks of a PNG. No
+/// pixel is decoded.
+///
+/// # Errors
+/// [`Error::Io`] when the file cannot be read; [`Error::Invalid`] when it is neither PNG nor EXR, damaged, or an EXR
+/// without such an attribute.
+pub fn read_provenance(path: &Path) -> Result<Vec<(String, String)>> {
+    let file = std::fs::File::open(path).map_err(|e| Error::io(path, e))?;
+    let mut start = Vec::new();
+    file.take(8)
+        .read_to_end(&mut start)
+        .map_err(|e| Error::io(path, e))?;
+    let entries = if start == png::SIGNATURE {
+        png::read_text(path)
+    } else if start.starts_with(&exr::MAGIC) {
+        exr::read_attribute(path)
+    } else {
+        Err("is neither PNG nor EXR; give a picture that this program wrote".into())
+    };
+    entries.map_err(|message| Error::invalid(path.display().to_string(), message))
 }
 
 /// Checks that a file can be put at `path`: its folder exists, and it is not a folder itself.

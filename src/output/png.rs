@@ -1,6 +1,7 @@
 //! PNG: opaque RGB, 8 or 16 bits per channel.
 
-use std::io::{Cursor, Write};
+use std::fs::File;
+use std::io::{BufReader, Cursor, Write};
 use std::path::Path;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -13,6 +14,34 @@ use crate::scene::{ColorManagement, Image};
 
 /// Bytes of the signature and of IHDR, which comes first and has a fixed size (PNG 1.2, sections 3.1 and 4.1.1).
 const HEADER_BYTES: usize = 8 + 25;
+
+/// First bytes of every file (PNG 1.2, section 3.1).
+pub(super) const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
+/// What the decoder may allocate.
+const READ_BYTES: usize = 64 << 20;
+
+/// Keywords and texts before the pixels.
+///
+/// # Errors
+/// What is wrong with the file.
+pub(super) fn read_text(path: &Path) -> Result<Vec<(String, String)>, String> {
+    let file = File::open(path).map_err(|e| e.to_string())?;
+    let limits = ::png::Limits { bytes: READ_BYTES };
+    let reader = ::png::Decoder::new_with_limits(BufReader::new(file), limits)
+        .read_info()
+        .map_err(|e| format!("is not a readable PNG: {e}"))?;
+    let info = reader.info();
+    let latin = info.uncompressed_latin1_text.iter();
+    let latin = latin.map(|chunk| (chunk.keyword.clone(), chunk.text.clone()));
+    let unicode = info.utf8_text.iter();
+    let unicode = unicode.filter_map(|chunk| {
+        let mut chunk = chunk.clone();
+        // Others may compress theirs.
+        chunk.decompress_text_with_limit(READ_BYTES).ok()?;
+        Some((chunk.keyword.clone(), chunk.get_text().ok()?))
+    });
+    Ok(latin.chain(unicode).collect())
+}
 
 pub(super) fn write(
     path: &Path,

@@ -6,7 +6,7 @@
 //! Grid    one workgroup for 8x8 pixels, one dispatch a tile
 //! Method  emission-absorption with exact opacity correction; skipping by chessboard distances
 //! Limits  a dispatch is one tile; its size is chosen so that no dispatch runs long, and changes no pixel
-//! Twin    src/reference/march.rs, projection.rs
+//! Twin    src/reference/march.rs
 
 use std::sync::Arc;
 

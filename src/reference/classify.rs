@@ -3,9 +3,9 @@
 use glam::{DVec3, DVec4, Vec4Swizzles};
 
 use super::Segment;
-use super::analytic::extinction;
 use super::preintegration::preintegrate;
 use super::probe::Probe;
+use crate::analytic::extinction;
 use crate::scene::{Classification, Optical};
 
 /// What a segment does to the light that passes it and adds to it.

@@ -6,8 +6,8 @@
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 
-use super::field::{contains, trilinear};
 use super::{Field, opacity_over};
+use crate::field::{contains, trilinear};
 use crate::scene::{AmbientOcclusion, Curve, Interpolation, Labels};
 use crate::volume::Volume;
 

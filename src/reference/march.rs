@@ -38,6 +38,8 @@ pub struct Setup<'a> {
     /// From pixel (column, row) to the share of a step, in `[0,1)`, that its first segment is shortened by;
     /// `None`: 0 everywhere.
     pub jitter: Option<&'a (dyn Fn([u32; 2]) -> f64 + Sync)>,
+    /// From pixel to the distance along its ray, mm, at which opaque geometry ends it; `None`: nowhere.
+    pub end: Option<&'a (dyn Fn([u32; 2]) -> f64 + Sync)>,
 }
 
 impl<'a> Setup<'a> {
@@ -62,6 +64,7 @@ impl<'a> Setup<'a> {
             labels: None,
             depth_threshold: scene.image.depth_threshold,
             jitter: None,
+            end: None,
         }
     }
 }
@@ -131,7 +134,8 @@ pub fn march(setup: &Setup) -> Picture {
             let center = pixel.map(|c| f64::from(c) + 0.5);
             let (origin, direction) = setup.view.ray(center, setup.size);
             let shift = setup.jitter.map_or(0.0, |jitter| jitter(pixel));
-            march_ray(setup, Ray { origin, direction }, shift)
+            let end = setup.end.map_or(f64::INFINITY, |end| end(pixel));
+            march_until(setup, Ray { origin, direction }, shift, end)
         })
         .collect();
     Picture {
@@ -147,10 +151,14 @@ pub fn march(setup: &Setup) -> Picture {
 
 /// Projects one ray; its first segment is shortened by `shift` steps.
 pub fn march_ray(setup: &Setup, ray: Ray, shift: f64) -> Pixel {
+    march_until(setup, ray, shift, f64::INFINITY)
+}
+
+fn march_until(setup: &Setup, ray: Ray, shift: f64, end: f64) -> Pixel {
     // There is one of each yet; another one must not compile here unnoticed.
     let OpticalModel::EmissionAbsorption = setup.lighting.model;
 
-    let probe = Probe::new(setup, ray);
+    let probe = Probe::new(setup, ray, end);
     let segments = probe.segments(shift);
     match setup.march.projection {
         RayProjection::Composite => composite::emission_absorption(&probe, segments),

@@ -10,12 +10,8 @@
 //! - [`light`]: local ambient occlusion at every voxel (Hernell, Ljung, Ynnerman 2007).
 //! - [`analytic`]: closed forms for fields that have one.
 
-pub mod analytic;
 mod classify;
 mod composite;
-mod field;
-mod filter;
-mod gradient;
 mod light;
 mod march;
 mod preintegration;
@@ -23,9 +19,9 @@ mod probe;
 mod projection;
 mod ray;
 
+pub use crate::analytic;
+pub use crate::field::{CubicKernel, Field};
 pub use classify::Contribution;
-pub use field::Field;
-pub use filter::CubicKernel;
 pub use light::{Light, LightGrid, light, light_at};
 pub use march::{Picture, Pixel, Setup, march, march_ray};
 pub use preintegration::preintegrate;

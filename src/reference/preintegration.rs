@@ -7,8 +7,8 @@ use std::sync::LazyLock;
 
 use glam::DVec3;
 
-use super::analytic::mean_extinction;
 use super::classify::Contribution;
+use crate::analytic::mean_extinction;
 use crate::scene::{Curve, CurvePoint, Optical};
 
 /// A segment of `length` mm with the values `front` and `back` at its ends, and `v(s)` between them:

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Field, Ray, Segment, Setup};
+use super::{Field, Ray, Segment, Setup, Span};
 use crate::scene::{LabelStyle, Lighting, Shading};
 
 /// A ray through the field of a setup. Distances are along the ray from its origin, mm.
@@ -10,14 +10,17 @@ pub(super) struct Probe<'a> {
     pub(super) setup: &'a Setup<'a>,
     pub(super) field: Field<'a>,
     ray: Ray,
+    /// Where opaque geometry ends the ray.
+    end: f64,
 }
 
 impl<'a> Probe<'a> {
-    pub(super) fn new(setup: &'a Setup<'a>, ray: Ray) -> Self {
+    pub(super) fn new(setup: &'a Setup<'a>, ray: Ray, end: f64) -> Self {
         Self {
             setup,
             field: Field::new(setup.volume),
             ray,
+            end,
         }
     }
 
@@ -26,8 +29,12 @@ impl<'a> Probe<'a> {
         let step = self.setup.march.step * self.setup.volume.min_spacing();
         self.ray
             .span(self.field.ix_from_world(), self.field.last_ix())
+            .filter(|span| span.enter <= self.end)
             .into_iter()
-            .flat_map(move |span| span.segments(step, shift))
+            .flat_map(move |span| {
+                let exit = span.exit.min(self.end);
+                Span { exit, ..span }.segments(step, shift)
+            })
     }
 
     /// Index position. The ray's span is inside the field; rounding must not say otherwise.

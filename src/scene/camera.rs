@@ -325,4 +325,20 @@ impl View {
             ),
         }
     }
+
+    /// Where a picture of `size` pixels shows a point of the world, in pixels from the top left corner: the inverse of
+    /// [`View::ray`]. `None` where no ray goes, at the eye of a perspective view and behind it.
+    pub fn pixel(&self, point_ws: DVec3, size: [u32; 2]) -> Option<[f64; 2]> {
+        let [w, h] = size.map(f64::from);
+        let from_eye = point_ws - self.eye;
+        let half_height = match self.projection {
+            Projection::Perspective { fov_y } => (0.5 * fov_y).tan() * from_eye.dot(self.forward),
+            Projection::Orthographic { height } => 0.5 * height,
+        };
+        (half_height > 0.0).then(|| {
+            let x = from_eye.dot(self.right) / half_height;
+            let y = from_eye.dot(self.up) / half_height;
+            [0.5 * (x * h + w), 0.5 * h * (1.0 - y)]
+        })
+    }
 }

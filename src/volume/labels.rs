@@ -86,6 +86,11 @@ impl LabelMap {
         self.size
     }
 
+    /// World position (mm, LPS) from voxel index.
+    pub fn world_from_ix(&self) -> DAffine3 {
+        self.world_from_ix
+    }
+
     /// Index position in the map's grid from one in the grid of a volume.
     pub fn ix_from(&self, volume: &Volume) -> DAffine3 {
         self.world_from_ix.inverse() * volume.world_from_ix()

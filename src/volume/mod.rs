@@ -8,6 +8,7 @@ pub mod blocks;
 pub mod bricks;
 pub mod cells;
 mod filter;
+mod fingerprint;
 mod labels;
 pub mod layout;
 mod metadata;

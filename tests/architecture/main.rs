@@ -15,7 +15,12 @@ const MODULES: &[(&str, &[&str])] = &[
     ("scene", &["error", "volume"]),
     ("shader", &[]),
     ("io", &["error", "volume", "scene"]),
-    ("reference", &["error", "volume", "scene"]),
+    ("field", &["volume", "scene"]),
+    ("analytic", &[]),
+    (
+        "reference",
+        &["error", "volume", "scene", "field", "analytic"],
+    ),
     ("gpu", &["error", "shader"]),
     ("atlas", &["error", "volume", "scene", "shader", "gpu"]),
     (
@@ -35,11 +40,17 @@ const MODULES: &[(&str, &[&str])] = &[
     (
         "headless",
         &[
-            "error", "volume", "scene", "shader", "gpu", "atlas", "pass", "renderer", "embed",
-            "picture",
+            "error", "volume", "scene", "field", "shader", "gpu", "atlas", "pass", "renderer",
+            "embed", "picture",
         ],
     ),
     ("output", &["error", "picture", "scene"]),
+    (
+        "conformance",
+        &[
+            "error", "volume", "scene", "field", "analytic", "headless", "picture",
+        ],
+    ),
 ];
 
 /// The only places with `unsafe` in the library.

@@ -89,6 +89,21 @@ fn paths_of_labels_start_from_the_scene() {
 }
 
 #[test]
+fn pictures_are_made_again_from_the_same_labels_only() {
+    let place = with_labels();
+    picture(&place, "a.png", &[&set(r#"{"path":"seg.nrrd"}"#)]);
+    place.succeed(&["render", "--reproduce", "a.png", "-o", "b.png"]);
+    let [a, b] = ["a.png", "b.png"].map(|name| image::open(place.path(name)).unwrap());
+    assert_eq!(a, b);
+    write(&place, "seg.nrrd", "uint8", "5 9 8", "(2,2,1)", &[7; 360]);
+    let message = place.refuse(&["render", "--reproduce", "a.png", "-o", "c.png"]);
+    assert!(
+        message.starts_with("a.png: was rendered from data "),
+        "{message}"
+    );
+}
+
+#[test]
 fn what_are_no_labels_is_refused() {
     let place = with_labels();
     let halves: Vec<u8> = (0..360u16)

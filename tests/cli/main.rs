@@ -7,7 +7,10 @@ use std::process::{Command, Stdio};
 
 use serde_json::{Value, json};
 
+mod conformance;
 mod labels;
+mod probe;
+mod reproduce;
 mod transfer;
 mod workplace;
 
@@ -19,7 +22,15 @@ fn help_and_version_are_results() {
     assert!(place.succeed(&["--version"]).starts_with("umbravox "));
     let help = place.succeed(&["--help"]);
     for command in [
-        "render", "info", "tf", "light", "bench", "devices", "schema",
+        "render",
+        "info",
+        "probe",
+        "tf",
+        "light",
+        "bench",
+        "conformance",
+        "devices",
+        "schema",
     ] {
         assert!(help.contains(&format!("\n  {command}")), "{help}");
     }
@@ -119,8 +130,8 @@ fn bad_overrides_are_refused_like_bad_scenes() {
             "scene.json: march.stepp: unknown key; did you mean \"step\"?",
         ),
         (
-            "march.classification=preintegrated",
-            "scene.json: march.classification: \"preintegrated\" is not available",
+            "march.classification=integrated",
+            "scene.json: march.classification: \"integrated\" is not available",
         ),
         ("march", "--set march: there is no \"=\"; give PLACE=VALUE"),
     ] {

@@ -1,7 +1,9 @@
 //! Procedural scalar fields over the unit cube, with values in [0,1], and volumes sampled from them.
 
-use glam::{DAffine3, DMat3, DQuat, DVec3};
+use glam::{DAffine3, DVec3};
 use umbravox::volume::{Rescale, Volume, VoxelType, Voxels};
+
+pub(crate) use umbravox::conformance::synthetic::placed;
 
 /// A few soft spheres; nearly 0 on the border.
 pub(crate) fn blobs(p: DVec3) -> f64 {
@@ -75,20 +77,6 @@ pub(crate) fn ramp(p: DVec3, direction: DVec3) -> f64 {
 pub(crate) fn checker(p: DVec3, size: [u32; 3]) -> f64 {
     let voxel = (p * (DVec3::from_array(size.map(f64::from)) - 1.0)).round();
     voxel.element_sum() % 2.0
-}
-
-/// A placement: axes of the given spacing (mm), turned by `degrees` about `axis`, voxel (0,0,0) at `origin`.
-pub(crate) fn placed(
-    spacing: [f64; 3],
-    axis: [f64; 3],
-    degrees: f64,
-    origin: [f64; 3],
-) -> DAffine3 {
-    let turn = DQuat::from_axis_angle(DVec3::from_array(axis).normalize(), degrees.to_radians());
-    DAffine3::from_mat3_translation(
-        DMat3::from_quat(turn) * DMat3::from_diagonal(DVec3::from_array(spacing)),
-        DVec3::from_array(origin),
-    )
 }
 
 /// Samples a field of the unit cube at every voxel; 0 and 1 are stored as `stored[0]` and `stored[1]`,

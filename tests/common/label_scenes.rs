@@ -150,7 +150,7 @@ fn projections() -> Vec<TestScene> {
             [-1000.0, 1000.0],
             |p| value_noise(p, 5.0, 71),
         );
-        let map = patches([12, 10, 9], around(&volume, [12, 10, 9]));
+        let map = patches([7, 6, 5], around(&volume, [7, 6, 5]));
         let volume = with(volume, map);
         let camera = perspective(&volume, [0.7, -1.0, 0.5], 2.8, 26.0);
         let points = vec![

@@ -17,6 +17,8 @@ mod errors;
 mod fields;
 mod host;
 mod life;
+#[cfg(feature = "reference")]
+mod pairs;
 mod pictures;
 mod recovery;
 mod scenes;

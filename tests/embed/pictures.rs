@@ -13,6 +13,8 @@ use crate::scenes::{SIZE, Subject, ball, noise, spheres};
 const PLANES: [f64; 2] = [0.5, 4000.0];
 /// What 32-bit floats may differ by.
 const FLOAT_TOLERANCE: f64 = 1e-5;
+/// And where rays are computed from another eye: a rounding of positions is one of places in the pre-integrated table.
+const OTHER_EYE_TOLERANCE: f64 = 2e-5;
 /// One step of an 8-bit picture.
 const BYTE_TOLERANCE: f64 = 1.0 / 255.0;
 /// Half a step of a 16-bit float, relative.
@@ -111,7 +113,7 @@ fn parallel_rays_start_at_the_near_plane() {
         };
         let picture = stage.draw(&look, &mut [&mut renderer]);
         let worst = difference(&picture, &expected);
-        assert!(worst <= FLOAT_TOLERANCE, "{kind:?}: {worst:e}");
+        assert!(worst <= OTHER_EYE_TOLERANCE, "{kind:?}: {worst:e}");
     }
     stage.destroy();
     drop((renderer, context));

@@ -57,7 +57,7 @@ impl Subject {
     }
 }
 
-fn subject(volume: Volume, camera: Camera, points: Vec<ControlPoint>) -> Subject {
+pub(crate) fn subject(volume: Volume, camera: Camera, points: Vec<ControlPoint>) -> Subject {
     Subject {
         volume: Arc::new(volume),
         scene: Scene {

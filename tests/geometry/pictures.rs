@@ -53,6 +53,7 @@ fn scene(volume: &Volume, size: [u32; 2]) -> Scene {
                 point(0.8, [1.0, 0.9, 0.7], 0.5),
             ]),
             preset: None,
+            ..Default::default()
         },
         march: Default::default(),
         lighting: Lighting {
@@ -81,7 +82,7 @@ fn every_file_gives_the_same_picture() {
             let view = scene.camera.view(&volume, scene.image.size).unwrap();
             let colors = scene.image.color_management;
             let curve = scene.transfer_function.curve(&volume, colors).unwrap();
-            let expected = reference::march(&Setup::new(&volume, &scene, &view, &curve, None));
+            let expected = reference::march(&Setup::new(&volume, &scene, &view, &curve, &[], None));
             let lit = expected.rgba.iter().filter(|p| p[3] > 0.1).count();
             assert!(
                 lit > expected.rgba.len() / 8,

@@ -1,6 +1,7 @@
 //! Closed forms, for steps of 0.05 to 2 voxels and voxels of 1e-3 to 1e3 mm.
 
 use glam::DVec3;
+use umbravox::conformance::synthetic::{cameras, rays};
 use umbravox::picture::Picture;
 use umbravox::reference::analytic::{ramp_opacity, slab_opacity, sphere_chord};
 use umbravox::scene::{Camera, ControlPoint, View, linear_from_srgb};
@@ -14,29 +15,6 @@ const SPACINGS: [f64; 5] = [1e-3, 0.04, 1.0, 25.0, 1e3];
 const SIZE: [u32; 2] = [24, 20];
 /// What 32-bit floats may add up to.
 const ROUNDING: f64 = 1e-5;
-
-/// Perspective or parallel, from a direction askew to all axes.
-fn cameras(volume: &Volume) -> [Camera; 2] {
-    let (middle, radius) = bounds(volume);
-    let eye = (middle + DVec3::new(0.5, -0.7, 0.4).normalize() * (3.0 * radius)).to_array();
-    let (target, up) = (middle.to_array(), [0.0, 0.0, 1.0]);
-    let fov_y = 40.0;
-    let height = 2.1 * radius;
-    [
-        Camera::Perspective {
-            eye,
-            target,
-            up,
-            fov_y,
-        },
-        Camera::Orthographic {
-            eye,
-            target,
-            up,
-            height,
-        },
-    ]
-}
 
 /// Pictures of a volume with every step, and the view they are seen by.
 fn pictures(
@@ -57,12 +35,6 @@ fn pictures(
     });
     assert_valid(&device);
     (view, pictures.to_vec())
-}
-
-/// Origins and directions of all pixels.
-fn rays(view: &View) -> impl Iterator<Item = (DVec3, DVec3)> {
-    let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));
-    pixels.map(|px| view.ray(px.map(|p| f64::from(p) + 0.5), SIZE))
 }
 
 /// Asserts that every pixel has the opacity of `bounds_of` (smallest and largest) give or take rounding; how far it goes beyond.
@@ -114,7 +86,7 @@ fn homogeneous_media() {
             let unit = spacing;
             for camera in cameras(&volume) {
                 let (view, pictures) = pictures(&volume, &camera, unit, &[medium.clone()]);
-                let rays: Vec<_> = rays(&view).collect();
+                let rays: Vec<_> = rays(&view, SIZE).collect();
                 let exact = |ray| {
                     let length = span(&volume, ray).map_or(0.0, |[enter, exit]| exit - enter);
                     slab_opacity(opacity, unit, length)
@@ -168,7 +140,7 @@ fn sphere() {
         let center = DVec3::splat(half * spacing);
         for camera in cameras(&volume) {
             let (view, pictures) = pictures(&volume, &camera, spacing, &points);
-            let rays: Vec<_> = rays(&view).collect();
+            let rays: Vec<_> = rays(&view, SIZE).collect();
             let bounds_of = |step: f64, (origin, direction): (DVec3, DVec3)| {
                 let closest = (center - origin).dot(direction);
                 let distance = (origin + direction * closest).distance(center) / spacing;
@@ -220,7 +192,7 @@ fn ramp() {
                 height: 9.0 * spacing,
             };
             let (view, pictures) = pictures(&volume, &camera, unit * spacing, &points);
-            let rays: Vec<_> = rays(&view).collect();
+            let rays: Vec<_> = rays(&view, SIZE).collect();
             let exact = ramp_opacity(ends[0], ends[1], unit, length);
             let slope = (ends[1] - ends[0]) / length;
             let curvature = (slope / (1.0 - ends[1])).powi(2) / unit;

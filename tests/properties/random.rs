@@ -1,7 +1,10 @@
 //! Random scenes: small volumes, transfer functions, cameras, settings. Equal seeds give equal scenes.
 
 use glam::DVec3;
-use umbravox::scene::{AmbientOcclusion, Camera, ControlPoint, Interpolation, Shading};
+use umbravox::scene::{
+    AmbientOcclusion, Camera, Classification, ControlPoint, Gradient, Interpolation, Isosurface,
+    RayProjection, Shading,
+};
 use umbravox::volume::{Rescale, Volume, VoxelType};
 
 use crate::fields::{blobs, checker, marschner_lobb, placed, radial, ramp, sampled, value_noise};
@@ -164,16 +167,69 @@ pub(crate) fn subject(seed: u64) -> Subject {
     scene.march.jitter = random.chance(0.3);
     scene.march.seed = random.bits() as u32;
     scene.march.inter_block_interpolation = random.chance(0.8);
-    if random.chance(0.2) {
-        scene.march.interpolation = Interpolation::Nearest;
+    scene.march.interpolation = random.pick(&[
+        Interpolation::Nearest,
+        Interpolation::Linear,
+        Interpolation::Linear,
+        Interpolation::Bspline,
+        Interpolation::CatmullRom,
+    ]);
+    let continuous = scene.march.field_is_continuous();
+    let cubic = scene.march.interpolation.is_cubic();
+    scene.march.inter_block_interpolation |= cubic;
+    scene.march.projection = random.pick(&[
+        RayProjection::Composite,
+        RayProjection::Composite,
+        RayProjection::Composite,
+        RayProjection::Xray,
+        RayProjection::Maximum,
+        RayProjection::Minimum,
+        RayProjection::Mean,
+        if continuous {
+            RayProjection::Isosurface
+        } else {
+            RayProjection::Composite
+        },
+    ]);
+    if matches!(
+        scene.march.projection,
+        RayProjection::Composite | RayProjection::Xray
+    ) {
+        scene.march.classification = random.pick(&[
+            None,
+            Some(Classification::Post),
+            (!cubic).then_some(Classification::Pre),
+            continuous.then_some(Classification::Preintegrated),
+        ]);
     }
-    if random.chance(0.3) {
+    if scene.march.projection == RayProjection::Isosurface {
+        scene.march.isosurfaces = (0..random.pick(&[1, 2, 5]))
+            .map(|_| Isosurface {
+                value: random.unit(),
+                color: random.chance(0.5).then(|| random.color()),
+                opacity: random.pick(&[0.3, 0.8, 1.0]),
+            })
+            .collect();
+    }
+    let is_lit = matches!(
+        scene.march.projection,
+        RayProjection::Composite | RayProjection::Isosurface
+    );
+    if is_lit && random.chance(0.3) {
         scene.lighting.shading = Shading::Diffuse;
+        scene.lighting.gradient = random.pick(&[
+            Gradient::CentralDifferences,
+            Gradient::FourPoint,
+            Gradient::Regression,
+            Gradient::Sobel,
+            Gradient::Bspline,
+            Gradient::CatmullRom,
+        ]);
     }
     if random.chance(0.3) {
         scene.storage.data_reduction = random.between(1.5, 20.0);
     }
-    if random.chance(0.4) {
+    if is_lit && random.chance(0.4) {
         scene.ambient_occlusion = Some(AmbientOcclusion {
             rays: random.pick(&[1, 2, 3]),
             radius: random.between(2.0, 12.0),

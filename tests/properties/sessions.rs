@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use umbravox::conformance::synthetic::scene;
 use umbravox::headless::{Headless, Options, Session};
 use umbravox::picture::Picture;
-use umbravox::scene::{
-    Camera, ControlPoint, Image, Lighting, March, Scene, Storage, TransferFunction, VolumeSource,
-};
+use umbravox::scene::{Camera, ControlPoint, Scene};
 use umbravox::volume::Volume;
+
+pub(crate) use umbravox::conformance::synthetic::{bounds, point, span};
 
 /// A device with validation.
 pub(crate) fn device(adjust: impl FnOnce(&mut Options)) -> Headless {
@@ -44,29 +44,7 @@ impl Subject {
     ) -> Self {
         Self {
             volume: Arc::new(volume),
-            scene: Scene {
-                volume: VolumeSource {
-                    path: "in-memory".into(),
-                    ..Default::default()
-                },
-                camera,
-                image: Image {
-                    size,
-                    ..Default::default()
-                },
-                transfer_function: TransferFunction {
-                    unit_distance: Some(unit_distance),
-                    points: Some(points),
-                    ..Default::default()
-                },
-                march: March {
-                    early_termination: 1.0,
-                    ..Default::default()
-                },
-                lighting: Lighting::default(),
-                ambient_occlusion: None,
-                storage: Storage::default(),
-            },
+            scene: scene(camera, size, unit_distance, points),
         }
     }
 
@@ -86,39 +64,6 @@ impl Subject {
 
     pub(crate) fn picture(&self, device: &Headless) -> Picture {
         self.session(device).frame().unwrap()
-    }
-}
-
-/// Middle and bounding radius of the field, mm.
-pub(crate) fn bounds(volume: &Volume) -> (DVec3, f64) {
-    let last = DVec3::from_array(volume.size().map(|n| f64::from(n - 1)));
-    let world_from_ix = volume.world_from_ix();
-    let middle = world_from_ix.transform_point3(0.5 * last);
-    let corner = |i: u32| {
-        let side = DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2));
-        world_from_ix.transform_point3(side * last).distance(middle)
-    };
-    (middle, (0..8).map(corner).fold(0.0, f64::max))
-}
-
-/// Where a ray enters and leaves the field, mm; `None` where it misses.
-pub(crate) fn span(volume: &Volume, (origin, direction): (DVec3, DVec3)) -> Option<[f64; 2]> {
-    let ix_from_world = volume.world_from_ix().inverse();
-    let o = ix_from_world.transform_point3(origin);
-    let d = ix_from_world.transform_vector3(direction);
-    let last = DVec3::from_array(volume.size().map(|n| f64::from(n - 1)));
-    let (a, b) = (-o / d, (last - o) / d);
-    let enter = a.min(b).max_element().max(0.0);
-    let exit = a.max(b).min_element();
-    (enter < exit).then_some([enter, exit])
-}
-
-pub(crate) fn point(value: f64, color: [f64; 3], opacity: f64) -> ControlPoint {
-    ControlPoint {
-        value,
-        color,
-        opacity,
-        emission: [0.0; 3],
     }
 }
 

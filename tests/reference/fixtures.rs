@@ -96,6 +96,7 @@ impl Tracer {
             labels: None,
             depth_threshold: self.depth_threshold,
             jitter: None,
+            end: None,
         };
         let direction = direction.normalize();
         march_ray(&setup, Ray { origin, direction }, shift)

@@ -218,6 +218,7 @@ fn pixels_are_where_the_view_says() {
         labels: None,
         depth_threshold: 0.05,
         jitter: Some(&|[x, _]| if x == 3 { 0.5 } else { 0.0 }),
+        end: None,
     };
     let picture = march(&setup);
     assert_eq!(picture.size, [4, 2]);

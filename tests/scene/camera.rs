@@ -106,3 +106,38 @@ fn orbits_keep_the_distance_and_return() {
     assert_near(turned.forward, auto_view(30.0, 0.0, 1.0, [64, 64]).forward);
     assert_near(start.orbited(&volume, 360.0).eye, start.eye);
 }
+
+#[test]
+fn points_are_seen_where_their_rays_leave() {
+    let volume = placed_volume();
+    let (eye, target, up) = ([80.0, 150.0, 320.0], [105.0, 212.0, 315.0], [0.1, 0.0, 1.0]);
+    let size = [320, 180];
+    let perspective = Camera::Perspective {
+        eye,
+        target,
+        up,
+        fov_y: 50.0,
+    };
+    let parallel = Camera::Orthographic {
+        eye,
+        target,
+        up,
+        height: 40.0,
+    };
+    for camera in [perspective, parallel] {
+        let view = camera.view(&volume, size).unwrap();
+        for pixel in [[0.0, 0.0], [17.25, 170.5], [160.0, 90.0], [320.0, 3.5]] {
+            let (origin, direction) = view.ray(pixel, size);
+            for distance in [1e-3, 1.0, 77.0, 1e5] {
+                let seen = view.pixel(origin + distance * direction, size).unwrap();
+                for (seen, sent) in seen.into_iter().zip(pixel) {
+                    assert!((seen - sent).abs() < 1e-7, "{seen} is not {sent}");
+                }
+            }
+        }
+        let behind = view.eye - 3.0 * view.forward;
+        let is_perspective = matches!(view.projection, Projection::Perspective { .. });
+        assert_eq!(view.pixel(behind, size).is_none(), is_perspective);
+        assert_eq!(view.pixel(view.eye, size).is_none(), is_perspective);
+    }
+}

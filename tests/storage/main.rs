@@ -3,6 +3,7 @@
 
 mod bricks;
 mod cells;
+mod fingerprint;
 mod layout;
 mod seams;
 mod select;

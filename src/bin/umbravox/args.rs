@@ -26,7 +26,7 @@ pub(crate) enum Command {
     Render(RenderArgs),
     /// Tell what a volume holds.
     Info(InfoArgs),
-    /// Tell the value at a point of the world.
+    /// Tell the value at a point of the world, or what a pixel shows.
     Probe(ProbeArgs),
     /// List the formats that are read.
     Formats(FormatsArgs),
@@ -36,6 +36,8 @@ pub(crate) enum Command {
     Light(LightArgs),
     /// Time frames of an orbit.
     Bench(BenchArgs),
+    /// Check a device: closed forms, invariants and gradients, on volumes made for it.
+    Conformance(ConformanceArgs),
     /// List Vulkan devices, and why each is or is not usable.
     Devices(DevicesArgs),
     /// Print the JSON Schema of the scene file.
@@ -45,7 +47,7 @@ pub(crate) enum Command {
 #[derive(Args)]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
-    pub(crate) input: InputArgs,
+    pub(crate) input: RenderInputArgs,
     /// Picture to write, .png or .exr; may be repeated. A number pattern (frame_%04d.png) gets one picture for each
     /// direction of ambient occlusion, as the light refines.
     #[arg(short, long = "output", value_name = "FILE", required = true)]
@@ -70,12 +72,26 @@ pub(crate) struct InfoArgs {
 pub(crate) struct ProbeArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
-    /// The point, in millimetres (LPS).
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
-    pub(crate) world: [f64; 3],
+    /// A point, in millimetres (LPS).
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, required_unless_present = "pixel", conflicts_with = "pixel")]
+    pub(crate) world: Option<[f64; 3]>,
+    /// A pixel: column and row, from 0, 0 at the top left.
+    #[arg(long, value_name = "X,Y", value_parser = pixel)]
+    pub(crate) pixel: Option<[u32; 2]>,
     /// Print JSON.
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
+}
+
+#[derive(Args)]
+pub(crate) struct ConformanceArgs {
+    /// Print JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
 }
 
 #[derive(Args)]
@@ -192,6 +208,45 @@ pub(crate) struct InputArgs {
     pub(crate) overrides: Vec<String>,
 }
 
+/// What to render.
+#[derive(Args)]
+pub(crate) struct RenderInputArgs {
+    /// Scene file, or volume.
+    #[arg(
+        value_name = "SCENE.json|VOLUME",
+        required_unless_present = "reproduce"
+    )]
+    path: Option<PathBuf>,
+    /// Change the scene, as in march.step=0.25; may be repeated. The value is JSON, or else a string.
+    #[arg(long = "set", value_name = "JSON.POINTER=VALUE")]
+    overrides: Vec<String>,
+    /// Render a picture of this program again, from what its file says of its origin.
+    #[arg(long, value_name = "PICTURE", conflicts_with_all = ["path", "overrides"])]
+    reproduce: Option<PathBuf>,
+    /// With --reproduce: where the data of that picture is now.
+    #[arg(long, value_name = "VOLUME")]
+    pub(crate) volume: Option<PathBuf>,
+}
+
+/// What [`RenderInputArgs`] come down to.
+pub(crate) enum RenderInput {
+    Scene(InputArgs),
+    /// A picture to render again.
+    Picture(PathBuf),
+}
+
+impl RenderInputArgs {
+    pub(crate) fn resolve(&self) -> RenderInput {
+        match &self.reproduce {
+            Some(picture) => RenderInput::Picture(picture.clone()),
+            None => RenderInput::Scene(InputArgs {
+                path: self.path.clone().unwrap_or_default(),
+                overrides: self.overrides.clone(),
+            }),
+        }
+    }
+}
+
 #[derive(Args)]
 pub(crate) struct DeviceArgs {
     /// Device to render on, as `umbravox devices` lists them.
@@ -247,6 +302,15 @@ fn point(text: &str) -> Result<[f64; 3], String> {
         .ok()
         .and_then(|numbers| numbers.try_into().ok())
         .ok_or_else(|| "give three finite numbers, as in 12.5,-3,40".into())
+}
+
+fn pixel(text: &str) -> Result<[u32; 2], String> {
+    let numbers = text.split(',').map(|number| number.trim().parse());
+    let numbers: Result<Vec<u32>, _> = numbers.collect();
+    numbers
+        .ok()
+        .and_then(|numbers| numbers.try_into().ok())
+        .ok_or_else(|| "give a column and a row, as in 120,80".into())
 }
 
 fn finite(text: &str) -> Result<f64, String> {

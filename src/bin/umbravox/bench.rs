@@ -27,7 +27,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
     let start = scene.camera.view(&volume, scene.image.size)?;
     let headless = Headless::new(&args.device.options())?;
     let mut session = headless.load(volume.clone(), &scene)?;
-    progress::complete_light(&mut session, |_, _| Ok(()))?;
+    progress::complete_light(&mut session)?;
     let mut frame_ms = Vec::new();
     for frame in 0..u64::from(args.warmup) + u64::from(args.frames) {
         session.set_view(start.orbited(&volume, args.orbit * frame as f64));

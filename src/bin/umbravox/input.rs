@@ -71,13 +71,14 @@ pub(crate) fn read_volume(scene: &Scene) -> Result<Arc<Volume>> {
 /// Bytes of an input that are searched for the names of its data files.
 const HEADER_BYTES: u64 = 64 << 10;
 
-/// Checks that a file can be put at `output` and that nothing is read from there. Gives the output's place, the same for every
-/// way of writing it.
-pub(crate) fn check_output(output: &Path, args: &InputArgs, scene: &Scene) -> Result<PathBuf> {
+/// Checks that a file can be put at `output` and that nothing is read from there: not the file named on the command line, nor
+/// those of its scene. Gives the output's place, the same for every way of writing it.
+pub(crate) fn check_output(output: &Path, named: &Path, scene: &Scene) -> Result<PathBuf> {
     output::check_place(output)?;
-    let inputs = [args.path.as_path(), scene.volume.path.as_path()];
-    let labels = scene.volume.labels.iter().map(|l| l.path.as_path());
-    check_no_input(output, inputs.into_iter().chain(labels))?;
+    let labels = scene.volume.labels.iter().map(|labels| &labels.path);
+    let files = labels.chain(&scene.transfer_function.file);
+    let inputs = [named, &scene.volume.path].into_iter();
+    check_no_input(output, inputs.chain(files.map(PathBuf::as_path)))?;
     let folder = match output.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

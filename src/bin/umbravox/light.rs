@@ -22,12 +22,12 @@ pub(crate) fn run(args: &LightArgs) -> Result<()> {
             "is off, so there is no light volume; turn it on, as with --set ambient_occlusion.rays=32",
         ));
     }
-    input::check_output(&args.output, &args.input, &scene)?;
+    input::check_output(&args.output, &args.input.path, &scene)?;
     let (scene, volume) = input::load(&args.input, scene)?;
     let world_from_ix = volume.world_from_ix();
     let headless = Headless::new(&args.device.options())?;
     let mut session = headless.load(volume, &scene)?;
-    progress::complete_light(&mut session, |_, _| Ok(()))?;
+    progress::complete_light(&mut session)?;
     let light = session.light_volume()?;
     check_validation(&headless)?;
     output::write_light(&args.output, light.size, &light.rgba, world_from_ix)

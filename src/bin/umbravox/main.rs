@@ -2,6 +2,7 @@
 
 mod args;
 mod bench;
+mod conformance;
 mod devices;
 mod formats;
 mod info;
@@ -31,6 +32,11 @@ fn main() -> ExitCode {
     };
     terminal::log_to_stderr(cli.verbose);
     let result = match &cli.command {
+        Command::Conformance(args) => match conformance::run(args) {
+            Ok(true) => Ok(()),
+            Ok(false) => return terminal::failed(),
+            Err(error) => Err(error),
+        },
         Command::Render(args) => render::run(args),
         Command::Info(args) => info::run(args),
         Command::Probe(args) => probe::run(args),

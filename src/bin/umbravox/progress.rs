@@ -6,28 +6,28 @@ use indicatif::{ProgressBar, ProgressStyle};
 use umbravox::Result;
 use umbravox::headless::Session;
 
-/// Traces every direction that is left, and calls `after_each` with the number traced so far.
-pub(crate) fn complete_light(
+/// Traces every direction of a fresh session.
+pub(crate) fn complete_light(session: &mut Session) -> Result<()> {
+    trace_light(session, session.light_rays(), |_, _| Ok(()))
+}
+
+/// Traces the first `directions` of a fresh session, at most all, and calls `after_each` with the number traced so far.
+pub(crate) fn trace_light(
     session: &mut Session,
+    directions: u32,
     mut after_each: impl FnMut(&mut Session, u32) -> Result<()>,
 ) -> Result<()> {
-    let rays = session.light_rays();
-    if rays == 0 {
+    if directions == 0 {
         return Ok(());
     }
     let bar = bar(
-        rays.into(),
+        directions.into(),
         "light {bar:40} {pos}/{len} directions, {eta} left",
     );
-    let mut traced = 0;
-    loop {
-        let incomplete = session.refine_light()?;
-        traced += 1;
+    for traced in 1..=directions {
+        session.refine_light()?;
         bar.set_position(traced.into());
         after_each(session, traced)?;
-        if !incomplete {
-            break;
-        }
     }
     bar.finish_and_clear();
     Ok(())

@@ -1,22 +1,31 @@
 //! `umbravox render`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
-use umbravox::headless::{Headless, Session};
+use umbravox::headless::{Headless, Provenance, Session};
 use umbravox::output::{self, Target};
 use umbravox::scene::Scene;
+use umbravox::volume::Volume;
 use umbravox::{Error, Result};
 
-use crate::args::RenderArgs;
+use crate::args::{InputArgs, RenderArgs, RenderInput};
 use crate::series::Series;
 use crate::{check_validation, input, progress, stats_of, terminal};
 
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let outputs = Outputs::check(&args.outputs)?;
-    let scene = input::read_scene(&args.input)?;
+    let mut job = Job::read(args.input.resolve())?;
+    if let Some(path) = &args.input.volume {
+        if job.recorded().is_none() {
+            let message = "goes with --reproduce; use --set volume.path=PATH with a scene";
+            return Err(Error::invalid("--volume", message));
+        }
+        job.scene.volume.path = path.clone();
+    }
     let mut places = Vec::new();
     for path in args.outputs.iter().chain(&args.stats) {
-        let place = input::check_output(path, &args.input, &scene)?;
+        let place = input::check_output(path, &job.path, &job.scene)?;
         if places.contains(&place) {
             return Err(Error::invalid(
                 path.display().to_string(),
@@ -25,16 +34,109 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
         }
         places.push(place);
     }
-    let (scene, volume) = input::load(&args.input, scene)?;
+    let volume = job.load()?;
     let headless = Headless::new(&args.device.options())?;
-    let mut session = headless.load(volume, &scene)?;
-    outputs.render(&mut session, &scene)?;
+    let mut session = headless.load(volume, &job.scene)?;
+    outputs.render(&mut session, &job)?;
     check_validation(&headless)?;
     if let Some(path) = &args.stats {
         let stats = terminal::to_json(&stats_of(&mut session)?, &path.display().to_string())?;
         output::write_bytes(path, (stats + "\n").as_bytes())?;
     }
     Ok(())
+}
+
+/// What is to be rendered.
+struct Job {
+    /// The file named on the command line.
+    path: PathBuf,
+    scene: Scene,
+    input: Input,
+}
+
+enum Input {
+    /// A scene or volume.
+    Named(InputArgs),
+    /// What a picture that is rendered again says of its origin.
+    Recorded(Box<Provenance>),
+}
+
+impl Job {
+    fn read(input: RenderInput) -> Result<Self> {
+        Ok(match input {
+            RenderInput::Scene(args) => Self {
+                path: args.path.clone(),
+                scene: input::read_scene(&args)?,
+                input: Input::Named(args),
+            },
+            RenderInput::Picture(path) => {
+                let entries = output::read_provenance(&path)?;
+                let recorded = Provenance::from_entries(&entries, &path.display().to_string())?;
+                Self {
+                    path,
+                    scene: recorded.scene.clone(),
+                    input: Input::Recorded(Box::new(recorded)),
+                }
+            }
+        })
+    }
+
+    fn recorded(&self) -> Option<&Provenance> {
+        match &self.input {
+            Input::Named(_) => None,
+            Input::Recorded(recorded) => Some(recorded),
+        }
+    }
+
+    /// Reads the volume, and completes the scene where it depends on what that holds. Refuses other data than a picture
+    /// was rendered from.
+    fn load(&mut self) -> Result<Arc<Volume>> {
+        let recorded = match &self.input {
+            Input::Named(args) => {
+                let (scene, volume) = input::load(args, self.scene.clone())?;
+                self.scene = scene;
+                return Ok(volume);
+            }
+            Input::Recorded(recorded) => recorded,
+        };
+        let volume = input::read_volume(&self.scene)?;
+        let found = volume.fingerprint();
+        if found == recorded.data {
+            return Ok(volume);
+        }
+        Err(Error::invalid(
+            self.path.display().to_string(),
+            format!(
+                "was rendered from data {}, but {} holds data {found}; give the data with --volume",
+                recorded.data,
+                self.scene.volume.path.display()
+            ),
+        ))
+    }
+
+    /// Where pictures of a session come from, as their files say it.
+    fn provenance(&self, session: &Session) -> Result<Provenance> {
+        let mut provenance = session.provenance(&self.scene);
+        match self.recorded() {
+            Some(recorded) => provenance.scene = recorded.scene.clone(),
+            None => {
+                // A file says the same, and finds its data, wherever the program was started.
+                let scene = &mut provenance.scene;
+                let labels = scene.volume.labels.iter_mut().map(|l| &mut l.path);
+                let files = [&mut scene.volume.path].into_iter().chain(labels);
+                for path in files.chain(&mut scene.transfer_function.file) {
+                    *path = std::path::absolute(&*path).map_err(|e| Error::io(&*path, e))?;
+                }
+            }
+        }
+        Ok(provenance)
+    }
+
+    /// Directions of light to trace: all, or as many as were recorded.
+    fn light_directions(&self, session: &Session) -> u32 {
+        let recorded = self.recorded().map(|r| r.light_directions);
+        recorded.unwrap_or(u32::MAX).min(session.light_rays())
+    }
 }
 
 /// Pictures to write, checked.
@@ -61,41 +163,43 @@ impl Outputs {
         Ok(outputs)
     }
 
-    fn render(&self, session: &mut Session, scene: &Scene) -> Result<()> {
-        let provenance = provenance(scene);
-        let write_series = |session: &mut Session, number: u32| {
+    fn render(&self, session: &mut Session, job: &Job) -> Result<()> {
+        let origin = job.provenance(session)?;
+        let after = |directions: u32| Provenance {
+            light_directions: directions,
+            ..origin.clone()
+        };
+        let image = &job.scene.image;
+        let write_series = |session: &mut Session, number: u32, directions: u32| {
             if self.series.is_empty() {
                 return Ok(());
             }
             let picture = session.frame()?;
+            let entries = after(directions).entries();
             self.series.iter().try_for_each(|series| {
-                output::write(&series.path(number), &picture, &scene.image, &provenance)
+                output::write(&series.path(number), &picture, image, &entries)
             })
         };
-        if session.light_rays() == 0 {
-            write_series(session, 0)?;
+        let directions = job.light_directions(session);
+        if directions == 0 {
+            write_series(session, 0, 0)?;
         }
-        progress::complete_light(session, |session, traced| write_series(session, traced - 1))?;
+        progress::trace_light(session, directions, |session, traced| {
+            write_series(session, traced - 1, traced)
+        })?;
+        let now = after(directions);
+        if let Some(recorded) = job.recorded() {
+            for difference in recorded.differences(&now) {
+                terminal::warn(&format!("not as it was recorded: {difference}"));
+            }
+        }
         if self.pictures.is_empty() {
             return Ok(());
         }
         let picture = session.frame()?;
+        let entries = now.entries();
         self.pictures
             .iter()
-            .try_for_each(|target| target.write(&picture, &scene.image, &provenance))
+            .try_for_each(|target| target.write(&picture, image, &entries))
     }
-}
-
-/// What it takes to make the picture again.
-fn provenance(scene: &Scene) -> Vec<(&'static str, String)> {
-    let software = concat!("umbravox ", env!("CARGO_PKG_VERSION"));
-    let mut provenance = vec![
-        ("Software", software.to_owned()),
-        ("Source", scene.volume.path.display().to_string()),
-    ];
-    // A volume path that is not UTF-8 cannot stand in JSON.
-    if let Ok(scene) = serde_json::to_string(scene) {
-        provenance.push(("Scene", scene));
-    }
-    provenance
 }

@@ -38,10 +38,21 @@ pub(crate) fn report(error: &Error) -> ExitCode {
     })
 }
 
+/// The exit status of what was done and found wanting.
+pub(crate) fn failed() -> ExitCode {
+    ExitCode::from(FAILED)
+}
+
 /// Prints what is wrong with the command line on one line.
 pub(crate) fn report_usage<'a>(message: impl Iterator<Item = &'a str>) -> ExitCode {
     print_error(message);
     ExitCode::from(BAD_INPUT)
+}
+
+/// Prints what may be wrong, on one line.
+pub(crate) fn warn(message: &str) {
+    // As for errors: with stderr closed there is nobody to tell.
+    let _ = writeln!(io::stderr(), "warning: {message}");
 }
 
 fn print_error<'a>(lines: impl Iterator<Item = &'a str>) {

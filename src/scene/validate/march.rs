@@ -14,6 +14,12 @@ pub(super) fn check_march(march: &March) -> Result<()> {
         Number(march.early_termination),
         "a number > 0 and <= 1 (opacity; 1: never early)",
     )?;
+    require(
+        march.inter_block_interpolation || !march.interpolation.is_cubic(),
+        "march.inter_block_interpolation",
+        false,
+        "true with cubic interpolation: its support reaches into the next block",
+    )?;
     check_classification(march)?;
     check_isosurfaces(march)
 }

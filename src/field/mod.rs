@@ -1,12 +1,16 @@
-//! The scalar field that a grid of voxels stands for.
+//! The scalar field that a grid of voxels stands for: its values between the voxels and its gradient, in f64.
+
+mod filter;
+mod gradient;
 
 use std::ops::{Add, Mul, Sub};
 
 use glam::{DAffine3, DVec3};
 
-use super::CubicKernel;
 use crate::scene::Interpolation;
 use crate::volume::Volume;
+
+pub use filter::CubicKernel;
 
 /// A volume's field, defined between the first and the last voxel centre: `[0, n-1]` on each index axis.
 /// Filters that reach beyond it find the border voxels repeated.
@@ -48,7 +52,7 @@ impl<'a> Field<'a> {
     }
 
     /// Value at the point of the field that is nearest to an index position on each axis.
-    pub(super) fn sample_clamped(&self, ix: DVec3, interpolation: Interpolation) -> f64 {
+    pub(crate) fn sample_clamped(&self, ix: DVec3, interpolation: Interpolation) -> f64 {
         let inside = ix.clamp(DVec3::ZERO, self.last_ix());
         self.interpolate(inside, interpolation, |value| value)
     }
@@ -56,7 +60,7 @@ impl<'a> Field<'a> {
     /// Interpolates what `property` makes of the voxels' values, at an index position inside the field.
     ///
     /// The nearest voxel is `floor(x + 0.5)` on each axis: halves go up.
-    pub(super) fn interpolate<T: Interpolated>(
+    pub(crate) fn interpolate<T: Interpolated>(
         &self,
         ix: DVec3,
         interpolation: Interpolation,
@@ -80,7 +84,7 @@ impl<'a> Field<'a> {
     }
 
     /// Sum over the 4^3 voxels around an index position, each with the product of its weights on x, y and z.
-    pub(super) fn sum_of_cube<T: Interpolated>(
+    pub(crate) fn sum_of_cube<T: Interpolated>(
         &self,
         ix: DVec3,
         weights: [[f64; 4]; 3],
@@ -105,7 +109,7 @@ impl<'a> Field<'a> {
 }
 
 /// Numbers and vectors.
-pub(super) trait Interpolated:
+pub(crate) trait Interpolated:
     Copy + Default + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self>
 {
 }
@@ -121,12 +125,12 @@ fn last_ix(size: [u32; 3]) -> DVec3 {
 }
 
 /// True between the first and the last voxel centre.
-pub(super) fn contains(size: [u32; 3], ix: DVec3) -> bool {
+pub(crate) fn contains(size: [u32; 3], ix: DVec3) -> bool {
     ix.cmpge(DVec3::ZERO).all() && ix.cmple(last_ix(size)).all()
 }
 
 /// Trilinear interpolation inside a grid of at least two points an axis.
-pub(super) fn trilinear<T: Interpolated>(
+pub(crate) fn trilinear<T: Interpolated>(
     size: [u32; 3],
     ix: DVec3,
     value: impl Fn(u32, u32, u32) -> T,

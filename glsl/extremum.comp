@@ -13,6 +13,7 @@
 #include "ray.glsl"
 #include "target.glsl"
 #include "frame.glsl"
+#include "labels.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -77,7 +78,9 @@ Found search(Ray ray, float shift) {
         for (; i < run_end; ++i) {
             segment = segment_of(i, count, ray.extent, shift);
             p_ix = ray_position(ray, segment.middle, volume.field_ix);
-            add(found, reconstruct(b, p_ix), segment);
+            if (!is_hidden(p_ix)) {
+                add(found, reconstruct(b, p_ix), segment);
+            }
         }
     }
     if (PROJECTION == MEAN) {

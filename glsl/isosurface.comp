@@ -17,6 +17,7 @@
 #include "frame.glsl"
 #include "gradient.glsl"
 #include "shade.glsl"
+#include "labels.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -42,6 +43,7 @@ float refine(Ray ray, Brick b, float value, float low, float high, float at_low,
 void add_surface(inout Accumulated acc, Ray ray, Brick b, float steps, vec4 surface) {
     vec3 p_ix = ray_position(ray, steps, volume.field_ix);
     Brick there = brick_near(p_ix, b);
+    apply_label(p_ix, surface.rgb, surface.a);
     vec3 color = surface.rgb * shading(there, p_ix, ray.direction_ws, true);
     if (AUX) {
         gather_depth(acc, surface.a, depth_mm(ray, steps), frame.depth_threshold);

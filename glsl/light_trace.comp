@@ -11,6 +11,7 @@
 #include "skip.glsl"
 #include "light_work.glsl"
 #include "half_float.glsl"
+#include "labels.glsl"
 
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
 
@@ -84,7 +85,8 @@ vec4 light_along(vec3 p_ix, int level) {
         Classified c = classify_light(reconstruct_linear(brick, brick_local(brick, sample_ix)), unit_exponent);
         // Coarse bricks take longer samples than the table is made for.
         float opacity = UNIFORM_GRID ? c.opacity : opacity_over(c.opacity, share);
-        gather(g, opacity, c.emission);
+        bool hidden = is_hidden(sample_ix);
+        gather(g, hidden ? 0.0 : opacity, hidden ? vec3(0.0) : c.emission);
         ++m;
     }
     float light = g.light + g.transparency * g.pending;

@@ -19,6 +19,7 @@
 #include "frame.glsl"
 #include "gradient.glsl"
 #include "shade.glsl"
+#include "labels.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -34,12 +35,13 @@ layout(constant_id = SPEC_XRAY) const bool XRAY = false;
 // Adds what a segment shows. `b`: the brick at its middle.
 void add_segment(inout Accumulated acc, Ray ray, Brick b, Segment segment, Classified c) {
     acc.samples += 1u;
+    vec3 p_ix = ray_position(ray, segment.middle, volume.field_ix);
+    apply_label(p_ix, c.color, c.opacity);
     if (XRAY) {
         acc.optical_depth += optical_depth(c.opacity);
         c.color = vec3(0.0);
         c.emission = vec3(0.0);
     } else {
-        vec3 p_ix = ray_position(ray, segment.middle, volume.field_ix);
         c.color *= shading(b, p_ix, ray.direction_ws, c.opacity > 0.0);
     }
     if (AUX) {

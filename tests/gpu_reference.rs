@@ -40,7 +40,12 @@ fn session(headless: &Headless, test: &TestScene, scene: &Scene) -> Session {
 
 fn light_of(test: &TestScene) -> Option<LightGrid> {
     let settings = test.scene.ambient_occlusion.as_ref()?;
-    Some(reference::light(&test.volume, &test.curve, settings))
+    Some(reference::light(
+        &test.volume,
+        &test.curve,
+        settings,
+        test.labels.as_ref(),
+    ))
 }
 
 /// The scene's march with empty-space skipping on or off.
@@ -113,14 +118,17 @@ fn pictures_agree_with_the_reference() {
     let mut complaints = Vec::new();
     for test in scenes::all() {
         let light = light_of(&test);
-        let setup = Setup::new(
-            &test.volume,
-            &test.scene,
-            &test.view,
-            &test.curve,
-            &test.surfaces,
-            light.as_ref(),
-        );
+        let setup = Setup {
+            labels: test.labels.as_ref(),
+            ..Setup::new(
+                &test.volume,
+                &test.scene,
+                &test.view,
+                &test.curve,
+                &test.surfaces,
+                light.as_ref(),
+            )
+        };
         let expected = reference::march(&setup);
         for skipping in [true, false] {
             let scene = with_skipping(&test.scene, skipping);
@@ -198,4 +206,24 @@ fn light_volumes_agree_with_the_reference() {
         }
     }
     assert!(complaints.is_empty(), "\n{}", complaints.join("\n"));
+}
+
+/// Labels are looked up at the same voxel whether cells before it were skipped or not.
+#[test]
+fn skipping_changes_no_bit_of_labels() {
+    let headless = headless();
+    let with_labels = |test: &TestScene| test.labels.is_some();
+    for test in scenes::all().into_iter().filter(with_labels) {
+        let [skipped, whole] = [true, false].map(|skipping| {
+            let scene = with_skipping(&test.scene, skipping);
+            session(&headless, &test, &scene).frame().unwrap()
+        });
+        let bits = |picture: &Picture| -> Vec<_> {
+            let pixels = picture.rgba.iter().zip(&picture.depth);
+            pixels
+                .map(|(rgba, depth)| (rgba.map(f32::to_bits), depth.to_bits()))
+                .collect()
+        };
+        assert!(bits(&skipped) == bits(&whole), "{}", test.name);
+    }
 }

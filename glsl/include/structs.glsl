@@ -17,6 +17,9 @@ struct VolumeParams {
     float table_tail;       // cells of that table per bin, beyond the function's range
     vec3 gradient_z_ws;
     float pad0;
+    vec4 label_ix_from_ix_x;  // rows of an index of the label map from one of the volume
+    vec4 label_ix_from_ix_y;
+    vec4 label_ix_from_ix_z;
 };
 
 // What changes with the camera. A ray through pixel (px, py) starts at origin + px origin_dx + py origin_dy and goes

@@ -4,6 +4,7 @@
 //! the choice of levels, [`Visibility`] with the transfer function. [`Images`] holds their device side.
 
 mod images;
+mod labels;
 mod light_work;
 mod preintegration;
 mod residency;
@@ -13,6 +14,7 @@ mod upload;
 mod visibility;
 
 pub(crate) use images::{Images, LIGHT_TEXEL_BYTES, LightLists, TableImages};
+pub(crate) use labels::LabelImages;
 pub(crate) use light_work::{GROUP, LightWork};
 pub(crate) use preintegration::{Preintegration, ROWS as INTEGRAL_ROWS};
 pub(crate) use residency::{Residency, Store};

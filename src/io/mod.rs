@@ -62,9 +62,9 @@ use std::path::Path;
 use bundle::Bundle;
 pub use formats::{FORMATS, Format};
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene::{RawDescription, VolumeSource};
-use crate::volume::Volume;
+use crate::volume::{LabelMap, Volume};
 
 /// What a caller may say about a file before it is read.
 #[derive(Clone, Default)]
@@ -166,6 +166,19 @@ pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
         }
     }
     read_file(path, options)
+}
+
+/// Reads a label map: a volume with a whole number at each voxel.
+///
+/// # Errors
+/// As [`read`], and [`Error::Volume`] for values that are no labels.
+///
+/// [`Error::Volume`]: crate::error::Error::Volume
+pub fn read_labels(path: &Path, options: &ReadOptions<'_>) -> Result<LabelMap> {
+    LabelMap::new(&read(path, options)?).map_err(|e| match e {
+        Error::Invalid { message, .. } => Error::volume(path, message),
+        other => other,
+    })
 }
 
 /// Reads one file that is no archive.

@@ -1,6 +1,6 @@
 //! Local ambient occlusion: one direction a frame for every sample of the light volume that can be seen.
 //!
-//! Reads   atlas, index, skip, transfer (SampledRead), brick table and work lists (storage buffers the host wrote)
+//! Reads   atlas, index, skip, transfer, labels (SampledRead), brick table and work lists (storage buffers the host wrote)
 //! Writes  the light volume (Storage: a running mean, so each direction reads what the last one wrote)
 //! Grid    one workgroup for 4x4x4 samples of a brick; a second pass for samples that bricks share
 //! Method  Hernell, Ljung, Ynnerman 2007, eq. 1-5
@@ -9,8 +9,8 @@
 
 use std::sync::Arc;
 
-use super::{Reconstruction, Variants, use_field};
-use crate::atlas::{Images, LightLists, LightWork};
+use super::{Reconstruction, Variants, use_field, use_labels};
+use crate::atlas::{Images, LabelImages, LightLists, LightWork};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Recorder, Uniforms};
 use crate::shader::generated::*;
@@ -23,6 +23,7 @@ const GROUPS_A_DISPATCH: usize = 32768;
 /// What the light passes work on.
 pub(crate) struct LightResources<'a> {
     pub(crate) images: &'a Images,
+    pub(crate) labels: Option<&'a LabelImages>,
     pub(crate) lists: &'a LightLists,
     pub(crate) work: &'a LightWork,
     /// The volume's parameters.
@@ -55,11 +56,13 @@ impl LightPass {
                 .get(context, &interface::LIGHT_TRACE, reconstruction.constants())?;
         let LightResources {
             images,
+            labels,
             lists,
             work,
             volume,
         } = *resources;
         let [atlas, index, skip, transfer] = use_field(recorder, images);
+        let [labels, label_table] = use_labels(recorder, images, labels);
         recorder.use_image(&images.light, Access::Storage);
         let bound = [
             (BINDING_VOLUME, Bound::Uniform(volume)),
@@ -70,6 +73,8 @@ impl LightPass {
             (BINDING_BRICKS, Bound::Storage(&lists.bricks)),
             (BINDING_WORK, Bound::Storage(&lists.trace)),
             (BINDING_LIGHT_STORE, Bound::StorageImage(&images.light)),
+            labels,
+            label_table,
         ];
         recorder.bind(pipeline, &bound)?;
         for (first, count) in parts(0, work.trace.len()) {
@@ -103,6 +108,7 @@ impl LightPass {
             lists,
             work,
             volume,
+            ..
         } = *resources;
         let bound = [
             (BINDING_VOLUME, Bound::Uniform(volume)),

@@ -8,7 +8,7 @@ pub(crate) mod preintegrate;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::atlas::Images;
+use crate::atlas::{Images, LabelImages};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Image, Pipeline, Recorder, Sampler};
 use crate::scene::Interpolation;
@@ -63,13 +63,15 @@ pub(crate) struct Reconstruction {
     pub(crate) uniform_grid: bool,
     /// The transfer-function table has bins whose opacity is computed, not interpolated.
     pub(crate) exact_bins: bool,
+    /// Labels hide or colour samples.
+    pub(crate) labels: bool,
 }
 
 impl Reconstruction {
     /// Specialization constants, the same ids in every pass.
     pub(crate) fn constants(self) -> Constants {
         use crate::shader::generated::{
-            SPEC_BLOCKS_APART, SPEC_EMISSION, SPEC_EXACT_BINS, SPEC_INTERPOLATION,
+            SPEC_BLOCKS_APART, SPEC_EMISSION, SPEC_EXACT_BINS, SPEC_INTERPOLATION, SPEC_LABELS,
             SPEC_MANUAL_FILTER, SPEC_SKIPPING, SPEC_UNIFORM_GRID,
         };
         vec![
@@ -88,6 +90,7 @@ impl Reconstruction {
             (SPEC_EMISSION, self.emission.into()),
             (SPEC_UNIFORM_GRID, self.uniform_grid.into()),
             (SPEC_EXACT_BINS, self.exact_bins.into()),
+            (SPEC_LABELS, self.labels.into()),
         ]
     }
 }
@@ -113,6 +116,23 @@ fn use_field<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> [(u32, Boun
     field.map(|(binding, image, sampler)| {
         recorder.use_image(image, Access::SampledRead);
         (binding, sampled(image, sampler))
+    })
+}
+
+/// What a pass that looks labels up reads; without labels images of the same kinds stand in, which it does not read.
+fn use_labels<'a>(
+    recorder: &mut Recorder<'_>,
+    images: &'a Images,
+    labels: Option<&'a LabelImages>,
+) -> [(u32, Bound<'a>); 2] {
+    use crate::shader::generated::{BINDING_LABEL_TABLE, BINDING_LABELS};
+    let (map, table) = match labels {
+        Some(labels) => (&labels.map, &labels.table),
+        None => (&images.skip, &images.transfer),
+    };
+    [(BINDING_LABELS, map), (BINDING_LABEL_TABLE, table)].map(|(binding, image)| {
+        recorder.use_image(image, Access::SampledRead);
+        (binding, sampled(image, &images.nearest))
     })
 }
 

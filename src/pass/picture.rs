@@ -1,6 +1,6 @@
 //! Pictures: front-to-back march, projections of values and isosurfaces, into a target image.
 //!
-//! Reads   atlas, index, skip or cell ranges, transfer and pre-integrated tables (SampledRead), light (SampledGeneral), the
+//! Reads   atlas, index, skip or cell ranges, transfer and pre-integrated tables, labels (SampledRead), light (SampledGeneral), the
 //!         host's depth
 //! Writes  the target (Storage; read too when it is blended over), depths and sample counts (Storage)
 //! Grid    one workgroup for 8x8 pixels, one dispatch a tile
@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::{Reconstruction, Variants, sampled, tile_groups, tiles, use_field};
-use crate::atlas::{Images, TableImages};
+use super::{Reconstruction, Variants, sampled, tile_groups, tiles, use_field, use_labels};
+use crate::atlas::{Images, LabelImages, TableImages};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Image, ImageInfo, Recorder, Sampler, Uniforms};
 use crate::scene::{Classification, Gradient, RayProjection};
@@ -128,6 +128,7 @@ impl PictureVariant {
 /// What the picture of one frame is made from.
 pub(crate) struct PictureResources<'a> {
     pub(crate) images: &'a Images,
+    pub(crate) labels: Option<&'a LabelImages>,
     /// Of pre-integrated classification.
     pub(crate) tables: Option<&'a TableImages>,
     /// Value ranges of skip cells, of projections of values.
@@ -218,6 +219,7 @@ impl PicturePass {
         let pipeline = self.variants.get(context, interface, variant.constants())?;
         let PictureResources {
             images,
+            labels,
             tables,
             range,
             volume,
@@ -251,6 +253,7 @@ impl PicturePass {
             None => sampled(&self.unused_sampled, &self.nearest),
         };
         let mut bound = field.to_vec();
+        bound.extend(use_labels(recorder, images, labels));
         bound.extend([
             (BINDING_VOLUME, Bound::Uniform(volume)),
             (BINDING_FRAME, Bound::Uniform(frame)),

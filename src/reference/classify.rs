@@ -37,8 +37,21 @@ impl Contribution {
     }
 }
 
-/// Classifies a segment in the order that the march asks for.
+/// Classifies a segment in the order that the march asks for; the label at its middle has the last word.
 pub(super) fn classify(probe: &Probe, segment: Segment) -> Contribution {
+    let label = probe.label(segment.middle());
+    if !label.shown {
+        return Contribution::default();
+    }
+    let contribution = classify_values(probe, segment);
+    let labelled = contribution.alpha() * DVec3::from_array(label.color);
+    Contribution {
+        color: contribution.color.lerp(labelled, label.tint),
+        ..contribution
+    }
+}
+
+fn classify_values(probe: &Probe, segment: Segment) -> Contribution {
     let curve = probe.setup.curve;
     let homogeneous =
         |optical| Contribution::homogeneous(optical, curve.unit_distance, segment.length());

@@ -134,7 +134,12 @@ pub(super) fn isosurfaces(probe: &Probe, segments: impl Iterator<Item = Segment>
         }
         for surface in crossed {
             let hit = crossing(probe, segment, surface.value);
-            let color = DVec3::from_array(surface.color) * probe.light(hit);
+            let label = probe.label(hit);
+            if !label.shown {
+                continue;
+            }
+            let color = DVec3::from_array(surface.color);
+            let color = color.lerp(DVec3::from_array(label.color), label.tint) * probe.light(hit);
             front.add(setup, hit, surface.opacity * color, surface.opacity);
             if front.ends(setup) {
                 return front.pixel();

@@ -3,12 +3,12 @@
 //! Frida Hernell, Patric Ljung, Anders Ynnerman: "Efficient Ambient and Emissive Tissue Illumination using
 //! Local Occlusion in Multiresolution Volume Rendering" (2007), equations 1 to 5 at the finest level.
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 
 use super::{Field, opacity_over};
 use crate::field::{contains, trilinear};
-use crate::scene::{AmbientOcclusion, Curve, Interpolation};
+use crate::scene::{AmbientOcclusion, Curve, Interpolation, Labels};
 use crate::volume::Volume;
 
 /// Light that reaches a point.
@@ -62,11 +62,16 @@ impl LightGrid {
 
 /// Light at every voxel, from the directions and weights of the settings.
 ///
-/// The field is sampled trilinearly whatever the march does.
-pub fn light(volume: &Volume, curve: &Curve, settings: &AmbientOcclusion) -> LightGrid {
+/// The field is sampled trilinearly whatever the march does. What `labels` hide neither absorbs nor emits.
+pub fn light(
+    volume: &Volume,
+    curve: &Curve,
+    settings: &AmbientOcclusion,
+    labels: Option<&Labels>,
+) -> LightGrid {
     let directions = settings.weighted_directions();
     LightGrid::from_fn(volume.size(), |voxel| {
-        light_at(volume, curve, settings, voxel, &directions)
+        light_at(volume, curve, settings, labels, voxel, &directions)
     })
 }
 
@@ -76,6 +81,7 @@ pub fn light_at(
     volume: &Volume,
     curve: &Curve,
     settings: &AmbientOcclusion,
+    labels: Option<&Labels>,
     voxel: [u32; 3],
     directions: &[([f64; 3], f64)],
 ) -> Light {
@@ -83,6 +89,7 @@ pub fn light_at(
         field: Field::new(volume),
         curve,
         settings,
+        labels: labels.map(|labels| (labels, labels.map().ix_from(volume))),
         center_ix: DVec3::from_array(voxel.map(f64::from)),
         mm_per_voxel: volume.min_spacing(),
     };
@@ -104,12 +111,20 @@ struct Sphere<'a> {
     field: Field<'a>,
     curve: &'a Curve,
     settings: &'a AmbientOcclusion,
+    /// With their index position from the volume's.
+    labels: Option<(&'a Labels, DAffine3)>,
     center_ix: DVec3,
     /// Lengths in the settings are in voxels of the smallest spacing.
     mm_per_voxel: f64,
 }
 
 impl Sphere<'_> {
+    fn is_shown(&self, ix: DVec3) -> bool {
+        self.labels.is_none_or(|(labels, map_from_ix)| {
+            labels.style_at(map_from_ix.transform_point3(ix)).shown
+        })
+    }
+
     /// Light from one direction, `I_k = sum_m (1 + c_E,m)/M prod_{i<m} (1 - alpha'_i)` (eq. 2 and 4), sampled
     /// at the middles of `M` equal parts of `[offset, radius]`, each of length `d` and opacity
     /// `alpha' = 1 - (1 - alpha)^(gamma d/u)` (eq. 5). Outside the field nothing absorbs or emits.
@@ -124,12 +139,11 @@ impl Sphere<'_> {
         let mut transparency = 1.0;
         for m in 0..samples {
             let distance = offset + (f64::from(m) + 0.5) * part;
+            let ix = self.center_ix + direction_ix * distance;
             let optical = self
                 .field
-                .sample(
-                    self.center_ix + direction_ix * distance,
-                    Interpolation::Linear,
-                )
+                .sample(ix, Interpolation::Linear)
+                .filter(|_| self.is_shown(ix))
                 .map(|value| self.curve.evaluate(value))
                 .unwrap_or_default();
             let emission = if settings.emission {

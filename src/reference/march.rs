@@ -4,7 +4,9 @@ use rayon::prelude::*;
 
 use super::probe::Probe;
 use super::{LightGrid, Ray, composite, projection};
-use crate::scene::{Curve, Lighting, March, OpticalModel, RayProjection, Scene, Surface, View};
+use crate::scene::{
+    Curve, Labels, Lighting, March, OpticalModel, RayProjection, Scene, Surface, View,
+};
 use crate::volume::Volume;
 
 /// What a picture depends on.
@@ -29,6 +31,8 @@ pub struct Setup<'a> {
     pub lighting: &'a Lighting,
     /// Ambient light at every voxel, same size as the volume; `None`: 1 everywhere.
     pub light: Option<&'a LightGrid>,
+    /// What labels hide and colour.
+    pub labels: Option<&'a Labels>,
     /// Accumulated opacity at which a ray's depth is taken, in (0,1].
     pub depth_threshold: f64,
     /// From pixel (column, row) to the share of a step, in `[0,1)`, that its first segment is shortened by;
@@ -39,7 +43,7 @@ pub struct Setup<'a> {
 }
 
 impl<'a> Setup<'a> {
-    /// What a scene asks for, without jitter.
+    /// What a scene asks for, without jitter and labels.
     pub fn new(
         volume: &'a Volume,
         scene: &'a Scene,
@@ -57,6 +61,7 @@ impl<'a> Setup<'a> {
             surfaces,
             lighting: &scene.lighting,
             light,
+            labels: None,
             depth_threshold: scene.image.depth_threshold,
             jitter: None,
             end: None,

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::{Field, Ray, Segment, Setup, Span};
-use crate::scene::{Lighting, Shading};
+use crate::scene::{LabelStyle, Lighting, Shading};
 
 /// A ray through the field of a setup. Distances are along the ray from its origin, mm.
 pub(super) struct Probe<'a> {
@@ -49,6 +49,14 @@ impl<'a> Probe<'a> {
     pub(super) fn value(&self, distance: f64) -> f64 {
         self.field
             .sample_clamped(self.ix(distance), self.setup.march.interpolation)
+    }
+
+    /// What the label nearest to a place says.
+    pub(super) fn label(&self, distance: f64) -> LabelStyle {
+        self.setup.labels.map_or(LabelStyle::PLAIN, |labels| {
+            let map_ix = labels.map().ix_from(self.setup.volume);
+            labels.style_at(map_ix.transform_point3(self.ix(distance)))
+        })
     }
 
     /// The factor on reflected light: ambient light `I` times surface shading `D`.

@@ -1,4 +1,4 @@
-//! Projections that classify one value a ray: its largest, smallest or mean sample.
+//! Projections that classify one value a ray: its largest, smallest or mean sample of those that labels do not hide.
 
 use glam::DVec3;
 
@@ -13,7 +13,7 @@ pub(super) fn extremum(
 ) -> Pixel {
     let mut found: Option<(f64, f64)> = None;
     let mut samples = 0;
-    for segment in segments {
+    for segment in segments.filter(|s| probe.label(s.middle()).shown) {
         samples += 1;
         let value = probe.value(segment.middle());
         if found.is_none_or(|(extremum, _)| replaces(&value, &extremum)) {
@@ -33,7 +33,7 @@ pub(super) fn extremum(
 /// The mean of the samples at the segments' middles, weighted by the segments' lengths.
 pub(super) fn mean(probe: &Probe, segments: impl Iterator<Item = Segment>) -> Pixel {
     let (mut sum, mut length, mut samples) = (0.0, 0.0, 0);
-    for segment in segments {
+    for segment in segments.filter(|s| probe.label(s.middle()).shown) {
         samples += 1;
         sum += segment.length() * probe.value(segment.middle());
         length += segment.length();

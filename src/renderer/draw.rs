@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DMat4, DVec3, DVec4};
+use glam::{DAffine3, DMat4, DVec3, DVec4};
 
 use super::light::LightProgress;
 use super::loaded::{Loaded, sample_lengths};
@@ -32,6 +32,7 @@ impl Loaded {
             emission: emission && self.settings.curve.emits(),
             uniform_grid: self.residency.layout.is_grid() && self.uploads.bricks_complete(),
             exact_bins: self.exact_bins,
+            labels: self.labels.is_some(),
         }
     }
 
@@ -41,6 +42,13 @@ impl Loaded {
         let gradient = volume.world_from_ix().matrix3.inverse().transpose();
         let bins = self.table.bins() as f32;
         let preintegration = self.table.preintegration();
+        let labels = self.settings.labels.as_ref();
+        let label_ix = labels.map_or(DAffine3::IDENTITY, |l| l.map().ix_from(volume));
+        let label_row = |axis: usize| {
+            let row = label_ix.matrix3.row(axis);
+            let row = row.extend(label_ix.translation[axis]);
+            row.as_vec4().to_array()
+        };
         let (table_end, table_tail) = preintegration.map_or((0.0, 0.0), |p| p.ends());
         VolumeParams {
             field_ix: volume.size().map(|n| (n - 1) as f32),
@@ -57,6 +65,9 @@ impl Loaded {
             table_tail: table_tail as f32,
             gradient_z_ws: gradient.z_axis.as_vec3().to_array(),
             pad0: 0.0,
+            label_ix_from_ix_x: label_row(0),
+            label_ix_from_ix_y: label_row(1),
+            label_ix_from_ix_z: label_row(2),
         }
     }
 
@@ -75,11 +86,15 @@ impl Loaded {
             visibility,
             settings,
             prepared,
+            labels,
             ..
         } = self;
         let mut uploaded_bytes = 0;
         let step = step_length(settings, store.volume.min_spacing());
         prepared.record(context, recorder, table, residency, settings, step)?;
+        if let (Some(images), Some(labels)) = (labels, &settings.labels) {
+            images.record(context, recorder, labels)?;
+        }
         if uploads.pending() {
             let distances = &visibility.distances;
             let lengths = sample_lengths(settings, store.volume.min_spacing());
@@ -119,6 +134,7 @@ impl Loaded {
             .is_some_and(|ao| ao.emission);
         let reconstruction = Reconstruction {
             interpolation: Interpolation::Linear,
+            labels: self.settings.hiding().is_some(),
             ..self.reconstruction(emission)
         };
         if !self.uploads.bricks_complete() {
@@ -129,15 +145,18 @@ impl Loaded {
         };
         let Self {
             images,
+            labels,
             lists,
             visibility,
             light_pass,
             ..
         } = self;
+        let labels = labels.as_ref();
         let work = &visibility.light;
         recorder.pass(pass_name::LIGHT, |recorder| {
             let resources = LightResources {
                 images,
+                labels,
                 lists,
                 work,
                 volume,
@@ -150,6 +169,7 @@ impl Loaded {
         recorder.pass(pass_name::LIGHT_SEAM, |recorder| {
             let resources = LightResources {
                 images,
+                labels,
                 lists,
                 work,
                 volume,
@@ -193,6 +213,7 @@ impl Loaded {
         let tile = self.tile.unwrap_or_else(|| self.default_tile());
         let Self {
             images,
+            labels,
             picture_pass,
             prepared,
             ..
@@ -200,6 +221,7 @@ impl Loaded {
         recorder.pass(pass_name::MARCH, |recorder| {
             let resources = PictureResources {
                 images,
+                labels: labels.as_ref(),
                 tables: prepared.tables(),
                 range: prepared.range(),
                 volume,

@@ -6,8 +6,8 @@ use super::light::LightProgress;
 use super::prepared::Prepared;
 use super::settings::Settings;
 use crate::atlas::{
-    Images, LIGHT_TEXEL_BYTES, LightLists, Residency, SampleLengths, SampleScale, Shown, Store,
-    TransferTable, Uploads, Visibility,
+    Images, LIGHT_TEXEL_BYTES, LabelImages, LightLists, Residency, SampleLengths, SampleScale,
+    Shown, Store, TransferTable, Uploads, Visibility,
 };
 use crate::error::Result;
 use crate::gpu::Context;
@@ -29,6 +29,7 @@ pub(crate) struct Loaded {
     pub(super) images: Images,
     pub(super) lists: LightLists,
     pub(super) prepared: Prepared,
+    pub(super) labels: Option<LabelImages>,
     pub(super) light: Option<LightProgress>,
     pub(super) uploads: Uploads,
     pub(super) picture_pass: PicturePass,
@@ -50,6 +51,7 @@ impl Loaded {
         let visibility = visibility(&store, &residency, &table, &settings);
         let prepared = Prepared::new(context, NAME, &table, &residency, &settings)?;
         let images = Images::new(context, NAME, &store, &residency, lit)?;
+        let labels = label_images(context, &settings)?;
         let lists = LightLists::new(context, NAME, &visibility.light)?;
         let light = light_progress(&store, &settings);
         let uploads = Uploads::all(&residency);
@@ -65,6 +67,7 @@ impl Loaded {
             images,
             lists,
             prepared,
+            labels,
             light,
             uploads,
             picture_pass: PicturePass::new(context)?,
@@ -132,6 +135,10 @@ impl Loaded {
         let images = (residency.is_some() || lit != was_lit)
             .then(|| Images::new(context, NAME, &self.store, current, lit))
             .transpose()?;
+        let map = |settings: &Settings| settings.labels.as_ref().map(|l| Arc::as_ptr(l.map()));
+        let labels = (map(&settings) != map(old))
+            .then(|| label_images(context, &settings))
+            .transpose()?;
         let lists = visibility
             .as_ref()
             .map(|v| LightLists::new(context, NAME, &v.light))
@@ -158,6 +165,11 @@ impl Loaded {
         if let Some(prepared) = prepared {
             self.prepared = prepared;
         }
+        if let Some(labels) = labels {
+            self.labels = labels;
+        } else if let Some(labels) = &mut self.labels {
+            labels.restyle();
+        }
         self.exact_bins =
             table.has_exact_bins(sample_lengths(&settings, self.store.volume.min_spacing()));
         self.table = table;
@@ -174,6 +186,7 @@ impl Loaded {
         self.images.forget();
         self.picture_pass.forget();
         self.prepared.forget();
+        self.labels.iter_mut().for_each(LabelImages::forget);
         self.uploads = Uploads::all(&self.residency);
         self.light = light_progress(&self.store, &self.settings);
     }
@@ -193,6 +206,13 @@ impl Loaded {
 
 /// Prefix of object names.
 const NAME: &str = "umbravox";
+
+fn label_images(context: &Arc<Context>, settings: &Settings) -> Result<Option<LabelImages>> {
+    let labels = settings.labels.as_ref();
+    labels
+        .map(|labels| LabelImages::new(context, NAME, labels))
+        .transpose()
+}
 
 fn transfer_table(store: &Store, settings: &Settings) -> TransferTable {
     TransferTable::new(

@@ -2,8 +2,8 @@
 
 use crate::error::Result;
 use crate::scene::{
-    AmbientOcclusion, Classification, Curve, Lighting, March, RayProjection, Scene, Storage,
-    Surface, check_together,
+    AmbientOcclusion, Classification, Curve, Labels, Lighting, March, RayProjection, Scene,
+    Storage, Surface, check_together,
 };
 use crate::volume::Volume;
 
@@ -18,6 +18,8 @@ pub struct Settings {
     pub surfaces: Vec<Surface>,
     /// Shading.
     pub lighting: Lighting,
+    /// A segmentation of the same place, and what it hides or colours; `None`: none.
+    pub labels: Option<Labels>,
     /// Local ambient occlusion; `None`: off.
     pub ambient_occlusion: Option<AmbientOcclusion>,
     /// Levels of detail and memory.
@@ -30,7 +32,7 @@ impl Settings {
     /// What a scene says, for the volume it draws.
     ///
     /// # Errors
-    /// [`crate::error::Error::Invalid`] when the scene is not valid.
+    /// [`crate::error::Error::Invalid`] when the scene is not valid, or the volume lacks the labels it asks for.
     pub fn of_scene(scene: &Scene, volume: &Volume) -> Result<Self> {
         scene.validate()?;
         let colors = scene.image.color_management;
@@ -38,6 +40,7 @@ impl Settings {
         Ok(Self {
             surfaces: scene.march.surfaces(&curve, colors),
             curve,
+            labels: Labels::of_scene(scene, volume)?,
             march: scene.march.clone(),
             lighting: scene.lighting.clone(),
             ambient_occlusion: scene.ambient_occlusion.clone(),
@@ -70,13 +73,31 @@ impl Settings {
         ) && self.march.classification() == Classification::Preintegrated
     }
 
+    /// Labels must lie where the volume does.
+    pub(super) fn check_labels(&self, volume: &Volume) -> Result<()> {
+        match &self.labels {
+            Some(labels) => labels.map().check_overlap(volume),
+            None => Ok(()),
+        }
+    }
+
+    /// The labels, where they hide something.
+    pub(super) fn hiding(&self) -> Option<&Labels> {
+        self.labels.as_ref().filter(|labels| labels.hide_some())
+    }
+
     /// True when the light volume of `self` is still right under `other`, given equal levels.
     pub(super) fn same_light(&self, other: &Self) -> bool {
         // The bias is added when light is used; everything else goes into the volume.
         let traced = |ao: &Option<AmbientOcclusion>| {
             ao.clone().map(|ao| AmbientOcclusion { bias: 0.0, ..ao })
         };
-        traced(&self.ambient_occlusion) == traced(&other.ambient_occlusion)
+        let same_labels = match (self.hiding(), other.hiding()) {
+            (Some(one), Some(other)) => one.hide_the_same(other),
+            (one, other) => one.is_none() && other.is_none(),
+        };
+        same_labels
+            && traced(&self.ambient_occlusion) == traced(&other.ambient_occlusion)
             && self.curve == other.curve
             && self.march.inter_block_interpolation == other.march.inter_block_interpolation
     }

@@ -12,6 +12,7 @@ mod first_picture;
 mod framing;
 mod histogram;
 mod image;
+mod labels;
 mod lighting;
 mod march;
 mod palette;
@@ -30,6 +31,7 @@ pub use content::{Guess, Modality};
 pub use directions::{DirectionSet, directions};
 pub use first_picture::FirstPicture;
 pub use image::Image;
+pub use labels::{LabelSource, LabelStyle, Labels};
 pub use lighting::{Gradient, Lighting, OpticalModel, Shading};
 pub use march::{Classification, Interpolation, Isosurface, March, RayProjection, Surface};
 pub use parse::{Override, is_scene_file};
@@ -100,6 +102,9 @@ pub struct VolumeSource {
     /// Refuse what would have to be resampled (uneven or missing slices) or guessed (no spacing). Default false.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub strict: bool,
+    /// A segmentation of the same place. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub labels: Option<LabelSource>,
 }
 
 /// Describes a headerless file.

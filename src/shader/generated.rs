@@ -163,6 +163,10 @@ pub const BINDING_RANGE: u32 = 19;
 
 pub const BINDING_SURFACES: u32 = 20;
 
+pub const BINDING_LABELS: u32 = 21;
+
+pub const BINDING_LABEL_TABLE: u32 = 22;
+
 pub const SPEC_INTERPOLATION: u32 = 0;
 
 pub const SPEC_BLOCKS_APART: u32 = 1;
@@ -196,3 +200,5 @@ pub const SPEC_GRADIENT: u32 = 14;
 pub const SPEC_XRAY: u32 = 15;
 
 pub const SPEC_PROJECTION: u32 = 16;
+
+pub const SPEC_LABELS: u32 = 17;

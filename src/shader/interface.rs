@@ -118,9 +118,10 @@ const MARCH_SPEC_IDS: &[u32] = &[
     SPEC_CLASSIFICATION,
     SPEC_GRADIENT,
     SPEC_XRAY,
+    SPEC_LABELS,
 ];
 
-const fn march_bindings(target: Access) -> [Binding; 12] {
+const fn march_bindings(target: Access) -> [Binding; 14] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -134,6 +135,8 @@ const fn march_bindings(target: Access) -> [Binding; 12] {
         storage_image(BINDING_AUX, Access::Write),
         sampled(BINDING_PREINTEGRATED),
         sampled(BINDING_PREINTEGRATED_EMISSION),
+        sampled(BINDING_LABELS),
+        sampled(BINDING_LABEL_TABLE),
     ]
 }
 
@@ -174,9 +177,10 @@ const EXTREMUM_SPEC_IDS: &[u32] = &[
     SPEC_UNIFORM_GRID,
     SPEC_EXACT_BINS,
     SPEC_PROJECTION,
+    SPEC_LABELS,
 ];
 
-const fn extremum_bindings(target: Access) -> [Binding; 9] {
+const fn extremum_bindings(target: Access) -> [Binding; 11] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -187,6 +191,8 @@ const fn extremum_bindings(target: Access) -> [Binding; 9] {
         storage_image(BINDING_TARGET, target),
         storage_image(BINDING_AUX, Access::Write),
         sampled(BINDING_RANGE),
+        sampled(BINDING_LABELS),
+        sampled(BINDING_LABEL_TABLE),
     ]
 }
 
@@ -228,9 +234,10 @@ const ISOSURFACE_SPEC_IDS: &[u32] = &[
     SPEC_MANUAL_FILTER,
     SPEC_UNIFORM_GRID,
     SPEC_GRADIENT,
+    SPEC_LABELS,
 ];
 
-const fn isosurface_bindings(target: Access) -> [Binding; 10] {
+const fn isosurface_bindings(target: Access) -> [Binding; 12] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -242,6 +249,8 @@ const fn isosurface_bindings(target: Access) -> [Binding; 10] {
         storage_image(BINDING_TARGET, target),
         storage_image(BINDING_AUX, Access::Write),
         uniform(BINDING_SURFACES),
+        sampled(BINDING_LABELS),
+        sampled(BINDING_LABEL_TABLE),
     ]
 }
 
@@ -298,6 +307,8 @@ pub const LIGHT_TRACE: PassInterface = PassInterface {
         storage_read(BINDING_BRICKS),
         storage_read(BINDING_WORK),
         storage_image(BINDING_LIGHT_STORE, Access::ReadWrite),
+        sampled(BINDING_LABELS),
+        sampled(BINDING_LABEL_TABLE),
     ],
     push_constants: Some(LightPush::LAYOUT),
     spec_ids: &[
@@ -308,6 +319,7 @@ pub const LIGHT_TRACE: PassInterface = PassInterface {
         SPEC_MANUAL_FILTER,
         SPEC_UNIFORM_GRID,
         SPEC_EXACT_BINS,
+        SPEC_LABELS,
     ],
     local_size: [4, 4, 4],
 };

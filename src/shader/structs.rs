@@ -36,6 +36,12 @@ gpu_struct! {
         pub gradient_z_ws: [f32; 3],
         /// Unused.
         pub pad0: f32,
+        /// Rows of an index of the label map from one of the volume.
+        pub label_ix_from_ix_x: [f32; 4],
+        /// See `label_ix_from_ix_x`.
+        pub label_ix_from_ix_y: [f32; 4],
+        /// See `label_ix_from_ix_x`.
+        pub label_ix_from_ix_z: [f32; 4],
     }
 }
 

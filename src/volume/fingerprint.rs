@@ -4,14 +4,14 @@ use std::fmt::Write as _;
 
 use sha2::{Digest, Sha256};
 
-use super::{Volume, Voxels};
+use super::{LabelIndices, LabelMap, Volume, Voxels};
 
 /// Voxels that are turned into bytes at a time.
 const CHUNK: usize = 1 << 16;
 
 impl Volume {
     /// SHA-256 (FIPS 180-4) of everything that a picture can depend on, as 64 hexadecimal digits: voxel type, size,
-    /// placement, rescale, voxels. Two files that decode to the same volume have the same fingerprint.
+    /// placement, rescale, voxels, and the labels beside them. Two files that decode to the same volume have the same fingerprint.
     pub fn fingerprint(&self) -> String {
         let mut hash = Sha256::new();
         hash.update(self.voxels.voxel_type().name());
@@ -30,6 +30,9 @@ impl Volume {
             Voxels::I16(v) => update(&mut hash, v, i16::to_le_bytes),
             Voxels::F32(v) => update(&mut hash, v, f32::to_le_bytes),
         }
+        if let Some(labels) = &self.labels {
+            update_with_labels(&mut hash, labels);
+        }
         hash.finalize()
             .iter()
             .fold(String::new(), |mut text, byte| {
@@ -37,6 +40,17 @@ impl Volume {
                 let _ = write!(text, "{byte:02x}");
                 text
             })
+    }
+}
+
+fn update_with_labels(hash: &mut Sha256, map: &LabelMap) {
+    map.size().iter().for_each(|n| hash.update(n.to_le_bytes()));
+    let placement = map.world_from_ix().to_cols_array();
+    update(hash, &placement, f64::to_le_bytes);
+    update(hash, map.labels(), i32::to_le_bytes);
+    match map.indices() {
+        LabelIndices::U8(v) => hash.update(v),
+        LabelIndices::U16(v) => update(hash, v, u16::to_le_bytes),
     }
 }
 

@@ -9,6 +9,7 @@ pub mod bricks;
 pub mod cells;
 mod filter;
 mod fingerprint;
+mod labels;
 pub mod layout;
 mod metadata;
 pub mod select;
@@ -17,8 +18,11 @@ mod summary;
 mod texel;
 mod thin;
 
+pub use labels::{LabelIndices, LabelMap, MAX_LABELS};
 pub use metadata::{Content, Metadata};
 pub use summary::{HISTOGRAM_BINS, Histogram, Percentiles, Summary};
+
+use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
@@ -159,6 +163,7 @@ pub struct Volume {
     /// Voxels that were NaN or infinite and were set to the smallest finite value.
     non_finite: u64,
     metadata: Metadata,
+    labels: Option<Arc<LabelMap>>,
 }
 
 impl Volume {
@@ -225,6 +230,7 @@ impl Volume {
             stored_range,
             non_finite,
             metadata: Metadata::default(),
+            labels: None,
         })
     }
 
@@ -249,6 +255,22 @@ impl Volume {
     /// What its file says of it; nothing by default.
     pub fn metadata(&self) -> &Metadata {
         &self.metadata
+    }
+
+    /// The same volume, with a segmentation of it; `None`: without.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when the two lie apart.
+    pub fn with_labels(self, labels: Option<Arc<LabelMap>>) -> Result<Self> {
+        if let Some(map) = &labels {
+            map.check_overlap(&self)?;
+        }
+        Ok(Self { labels, ..self })
+    }
+
+    /// The segmentation beside it.
+    pub fn labels(&self) -> Option<&Arc<LabelMap>> {
+        self.labels.as_ref()
     }
 
     /// Voxels as stored, x fastest.

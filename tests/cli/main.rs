@@ -8,6 +8,7 @@ use std::process::{Command, Stdio};
 use serde_json::{Value, json};
 
 mod conformance;
+mod labels;
 mod probe;
 mod reproduce;
 mod transfer;

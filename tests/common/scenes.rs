@@ -7,14 +7,15 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use umbravox::scene::{
-    Camera, ControlPoint, Curve, Image, Projection, Scene, Storage, Surface, TransferFunction,
-    View, VolumeSource,
+    Camera, ControlPoint, Curve, Image, Labels, Projection, Scene, Storage, Surface,
+    TransferFunction, View, VolumeSource,
 };
 use umbravox::volume::Volume;
 
 mod classification_scenes;
 mod fields;
 mod geometry_scenes;
+mod label_scenes;
 mod optics_scenes;
 mod projection_scenes;
 
@@ -26,6 +27,7 @@ pub(crate) struct TestScene {
     pub(crate) view: View,
     pub(crate) curve: Curve,
     pub(crate) surfaces: Vec<Surface>,
+    pub(crate) labels: Option<Labels>,
 }
 
 /// Every scene.
@@ -34,6 +36,7 @@ pub(crate) fn all() -> Vec<TestScene> {
     scenes.extend(optics_scenes::scenes());
     scenes.extend(classification_scenes::scenes());
     scenes.extend(projection_scenes::scenes());
+    scenes.extend(label_scenes::scenes());
     scenes
 }
 
@@ -71,6 +74,7 @@ fn test_scene(
     let curve = Curve::new(unit_distance, &points, colors);
     TestScene {
         name,
+        labels: Labels::of_scene(&scene, &volume).expect("labels that there are"),
         volume: Arc::new(volume),
         view: view_of(&scene.camera),
         surfaces: scene.march.surfaces(&curve, colors),

@@ -213,10 +213,10 @@ fn pairs_of(choice: &Choice) -> impl Iterator<Item = Pair> {
 /// Choices that have every pair which some valid choice has, and the pairs that none has.
 fn cover() -> (Vec<Choice>, BTreeSet<Pair>) {
     let mut missing = BTreeSet::new();
-    for b in 0..OPTIONS.len() {
-        for a in 0..b {
-            for x in 0..OPTIONS[a].1 {
-                missing.extend((0..OPTIONS[b].1).map(|y| [(a, x), (b, y)]));
+    for (b, (_, b_values)) in OPTIONS.iter().enumerate() {
+        for (a, (_, a_values)) in OPTIONS[..b].iter().enumerate() {
+            for x in 0..*a_values {
+                missing.extend((0..*b_values).map(|y| [(a, x), (b, y)]));
             }
         }
     }
@@ -325,7 +325,7 @@ fn both(host: &Host, choice: &Choice) -> [Vec<[f64; 4]>; 2] {
     let light = scene
         .ambient_occlusion
         .as_ref()
-        .map(|ao| reference::light(&subject.volume, &curve, ao));
+        .map(|ao| reference::light(&subject.volume, &curve, ao, None));
     let jitter = |[x, y]: [u32; 2]| {
         let hash = pcg(x.wrapping_add(pcg(
             y.wrapping_add(pcg(newest.wrapping_add(pcg(scene.march.seed))))

@@ -5,6 +5,7 @@ mod analytic;
 mod bits;
 #[path = "../common/fields.rs"]
 mod fields;
+mod labels;
 mod levels;
 mod light;
 mod limits;

@@ -38,7 +38,14 @@ fn along(
     settings: &AmbientOcclusion,
     direction: [f64; 3],
 ) -> Light {
-    light_at(volume, curve, settings, [1, 1, 1], &[(direction, 1.0)])
+    light_at(
+        volume,
+        curve,
+        settings,
+        None,
+        [1, 1, 1],
+        &[(direction, 1.0)],
+    )
 }
 
 const TO_MATTER: [f64; 3] = [1.0, 0.0, 0.0];
@@ -58,7 +65,7 @@ fn empty_space_is_fully_lit() {
         bias: 0.25,
         ..Default::default()
     };
-    let grid = light(&volume, &medium(1.0, 0.0, [1.0; 3]), &settings);
+    let grid = light(&volume, &medium(1.0, 0.0, [1.0; 3]), &settings, None);
     assert_eq!(grid.size(), [4; 3]);
     assert_eq!(grid.voxels().len(), 64);
     for &voxel in grid.voxels() {
@@ -164,7 +171,7 @@ fn homogeneous_medium_sums_to_a_geometric_series() {
             ..Default::default()
         };
         let directions = settings.weighted_directions();
-        light_at(&volume, &curve, &settings, [8; 3], &directions).grey
+        light_at(&volume, &curve, &settings, None, [8; 3], &directions).grey
     };
     let q: f64 = 0.9;
     assert_close(at_center(1.0), (1.0 - q.powi(6)) / (1.0 - q) / 6.0, 1e-13);
@@ -185,7 +192,7 @@ fn corner_of_an_opaque_block() {
         rays: 6,
         ..four_samples()
     };
-    let grid = light(&volume, &curve, &settings);
+    let grid = light(&volume, &curve, &settings, None);
     let at = |i, j, k| grid.voxels()[volume.offset(i, j, k)].grey;
     assert_close(at(4, 4, 4), 1.0 / 4.0, 1e-14);
     assert_close(at(0, 4, 4), (1.0 + 5.0 / 4.0) / 6.0, 1e-14);
@@ -215,7 +222,7 @@ fn weights_select_directions() {
             emission: false,
             ..four_samples()
         };
-        let grid = light(&volume, &curve, &settings);
+        let grid = light(&volume, &curve, &settings, None);
         let expected = 0.125 + sum / 3.0;
         assert_light(
             grid.voxels()[volume.offset(1, 1, 1)],
@@ -229,11 +236,11 @@ fn weights_select_directions() {
 fn voxels_are_stored_x_fastest() {
     let (volume, curve) = half_space([1.0; 3]);
     let settings = four_samples();
-    let grid = light(&volume, &curve, &settings);
+    let grid = light(&volume, &curve, &settings, None);
     let directions = settings.weighted_directions();
     for voxel in [[0, 0, 0], [3, 2, 0], [9, 0, 2], [5, 1, 2]] {
         let [i, j, k] = voxel;
-        let expected = light_at(&volume, &curve, &settings, voxel, &directions);
+        let expected = light_at(&volume, &curve, &settings, None, voxel, &directions);
         assert_eq!(grid.voxels()[volume.offset(i, j, k)], expected);
         let ix = DVec3::from_array(voxel.map(f64::from));
         assert_eq!(grid.sample(ix).unwrap().to_array(), expected.rgb);
@@ -259,7 +266,16 @@ fn the_error_falls_with_the_number_of_directions() {
         .collect();
     let light_with = |settings: &AmbientOcclusion| -> Vec<Light> {
         let directions = settings.weighted_directions();
-        let at = |&v| light_at(&scene.volume, &scene.curve, settings, v, &directions);
+        let at = |&v| {
+            light_at(
+                &scene.volume,
+                &scene.curve,
+                settings,
+                scene.labels.as_ref(),
+                v,
+                &directions,
+            )
+        };
         voxels.iter().map(at).collect()
     };
     let truth = light_with(&all);

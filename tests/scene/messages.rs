@@ -56,7 +56,7 @@ fn unknown_keys_name_the_nearest_valid_one() {
 fn missing_keys_say_what_to_give() {
     assert_eq!(
         error(parse("{}")),
-        "volume: missing; give an object with channel, level, path, raw, series, strict, timestep"
+        "volume: missing; give an object with channel, labels, level, path, raw, series, strict, timestep"
     );
     assert_eq!(
         message(json!({ "camera": { "eye": [0, 0, 0] } })),
@@ -383,4 +383,49 @@ fn degenerate_cameras() {
         ),
         "camera.height: 0 is not valid; give a number > 0 (mm)"
     );
+}
+
+#[test]
+fn labels_say_what_is_valid() {
+    let labels = |labels: Value| {
+        let volume = json!({ "path": "head.nrrd", "labels": labels });
+        error(parse(&json!({ "volume": volume }).to_string()))
+    };
+    for (value, expected) in [
+        (json!({}), "volume.labels.path: missing; give a string"),
+        (
+            json!({ "path": "" }),
+            "volume.labels.path: empty; give a file",
+        ),
+        (
+            json!({ "path": "a", "shown": [1] }),
+            "volume.labels.shown: unknown key; did you mean \"show\"? Valid here: colors, hide, path, show, tint",
+        ),
+        (
+            json!({ "path": "a", "show": [0.5] }),
+            "volume.labels.show.0: 0.5 is not valid; give a whole number",
+        ),
+        (
+            json!({ "path": "a", "show": [1], "hide": [0] }),
+            "volume.labels: has both \"show\" and \"hide\"; give one of them, or neither to draw every label",
+        ),
+        (
+            json!({ "path": "a", "colors": { "liver": [1, 0, 0] } }),
+            "volume.labels.colors.liver: unknown key; keys here are whole numbers of 32 bits",
+        ),
+        (
+            json!({ "path": "a", "colors": { "1": [1, 0] } }),
+            "volume.labels.colors.1: [1,0] is not valid; give a list of 3 numbers",
+        ),
+        (
+            json!({ "path": "a", "colors": { "1": [1, 0, 2] } }),
+            "volume.labels.colors.1: [1, 0, 2] is not valid; give three numbers from 0 to 1",
+        ),
+        (
+            json!({ "path": "a", "tint": 1.5 }),
+            "volume.labels.tint: 1.5 is not valid; give a number from 0 to 1",
+        ),
+    ] {
+        assert_eq!(labels(value), expected);
+    }
 }

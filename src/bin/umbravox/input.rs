@@ -48,7 +48,7 @@ fn overrides(args: &InputArgs) -> Result<Vec<Override>> {
     args.overrides.iter().map(parse).collect()
 }
 
-/// The volume of a scene, with a progress bar.
+/// The volume of a scene with its labels, and a progress bar.
 pub(crate) fn read_volume(scene: &Scene) -> Result<Arc<Volume>> {
     let bar = progress::reading();
     let show = |read, all| {
@@ -61,17 +61,24 @@ pub(crate) fn read_volume(scene: &Scene) -> Result<Arc<Volume>> {
     };
     let volume = io::read(&scene.volume.path, &options);
     bar.finish_and_clear();
-    volume.map(Arc::new)
+    let labels = scene.volume.labels.as_ref();
+    let labels = labels
+        .map(|labels| io::read_labels(&labels.path, &ReadOptions::default()).map(Arc::new))
+        .transpose();
+    Ok(Arc::new(volume?.with_labels(labels?)?))
 }
 
 /// Bytes of an input that are searched for the names of its data files.
 const HEADER_BYTES: u64 = 64 << 10;
 
-/// Checks that a file can be put at `output` and that none of `inputs` is read from there. Gives the output's place, the same for every
-/// way of writing it.
-pub(crate) fn check_output(output: &Path, inputs: [&Path; 2]) -> Result<PathBuf> {
+/// Checks that a file can be put at `output` and that nothing is read from there: not the file named on the command line, nor
+/// those of its scene. Gives the output's place, the same for every way of writing it.
+pub(crate) fn check_output(output: &Path, named: &Path, scene: &Scene) -> Result<PathBuf> {
     output::check_place(output)?;
-    check_no_input(output, inputs.into_iter())?;
+    let labels = scene.volume.labels.iter().map(|labels| &labels.path);
+    let files = labels.chain(&scene.transfer_function.file);
+    let inputs = [named, &scene.volume.path].into_iter();
+    check_no_input(output, inputs.chain(files.map(PathBuf::as_path)))?;
     let folder = match output.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

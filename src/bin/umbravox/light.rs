@@ -22,7 +22,7 @@ pub(crate) fn run(args: &LightArgs) -> Result<()> {
             "is off, so there is no light volume; turn it on, as with --set ambient_occlusion.rays=32",
         ));
     }
-    input::check_output(&args.output, [&args.input.path, &scene.volume.path])?;
+    input::check_output(&args.output, &args.input.path, &scene)?;
     let (scene, volume) = input::load(&args.input, scene)?;
     let world_from_ix = volume.world_from_ix();
     let headless = Headless::new(&args.device.options())?;

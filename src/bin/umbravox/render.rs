@@ -25,7 +25,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     }
     let mut places = Vec::new();
     for path in args.outputs.iter().chain(&args.stats) {
-        let place = input::check_output(path, [&job.path, &job.scene.volume.path])?;
+        let place = input::check_output(path, &job.path, &job.scene)?;
         if places.contains(&place) {
             return Err(Error::invalid(
                 path.display().to_string(),
@@ -122,7 +122,8 @@ impl Job {
             None => {
                 // A file says the same, and finds its data, wherever the program was started.
                 let scene = &mut provenance.scene;
-                let files = [&mut scene.volume.path].into_iter();
+                let labels = scene.volume.labels.iter_mut().map(|l| &mut l.path);
+                let files = [&mut scene.volume.path].into_iter().chain(labels);
                 for path in files.chain(&mut scene.transfer_function.file) {
                     *path = std::path::absolute(&*path).map_err(|e| Error::io(&*path, e))?;
                 }

@@ -24,7 +24,7 @@ const MAX_BYTES: u64 = 64 << 20;
 const BACKGROUND: [f64; 3] = [0.09, 0.10, 0.12];
 
 impl Scene {
-    /// Reads a scene file. `volume.path` becomes relative to the working directory.
+    /// Reads a scene file. Paths in it become relative to the working directory.
     ///
     /// # Errors
     /// [`Error::Io`] when it cannot be read; [`Error::Invalid`] with the file and the place in it when it is not
@@ -58,7 +58,7 @@ impl Scene {
         })
     }
 
-    /// Parses and checks the text of a scene file that lies in `folder`, which a relative `volume.path` starts from.
+    /// Parses and checks the text of a scene file that lies in `folder`, which relative paths start from.
     ///
     /// # Errors
     /// [`Error::Invalid`] naming the line and column of a syntax error, or else the key that is wrong and what
@@ -68,6 +68,9 @@ impl Scene {
         let mut scene = Self::from_value(unique_keys::parse(text)?, overrides)?;
         // `join` keeps an absolute path as it is.
         scene.volume.path = folder.join(&scene.volume.path);
+        if let Some(labels) = &mut scene.volume.labels {
+            labels.path = folder.join(&labels.path);
+        }
         if let Some(file) = &mut scene.transfer_function.file {
             *file = folder.join(&*file);
         }

@@ -92,7 +92,7 @@ fn tag_of(variant: &Value) -> &Value {
 
 fn check_object(object: &Map<String, Value>, schema: &Value, at: &str) -> Result<()> {
     let Some(properties) = schema["properties"].as_object() else {
-        return Ok(());
+        return check_entries(object, schema, at);
     };
     for (key, value) in object {
         match properties.get(key) {
@@ -111,6 +111,26 @@ fn check_object(object: &Map<String, Value>, schema: &Value, at: &str) -> Result
         }
     }
     Ok(())
+}
+
+/// Entries whose keys are whole numbers, the only kind of map that a scene has.
+fn check_entries(object: &Map<String, Value>, schema: &Value, at: &str) -> Result<()> {
+    let Some(entry) = schema["patternProperties"]
+        .as_object()
+        .and_then(|patterns| patterns.values().next())
+    else {
+        return Ok(());
+    };
+    object.iter().try_for_each(|(key, value)| {
+        let place = join(at, key);
+        if key.parse::<i32>().is_err() {
+            return Err(Error::invalid(
+                place,
+                "unknown key; keys here are whole numbers of 32 bits",
+            ));
+        }
+        check_at(value, entry, &place)
+    })
 }
 
 fn check_list(value: &Value, items: &[Value], schema: &Value, at: &str) -> Result<()> {
@@ -262,6 +282,7 @@ fn has_type(value: &Value, name: &str) -> bool {
 fn largest(schema: &Value) -> Option<f64> {
     let of_format = match schema["format"].as_str() {
         Some("uint32") => Some(f64::from(u32::MAX)),
+        Some("int32") => Some(f64::from(i32::MAX)),
         _ => None,
     };
     schema["maximum"].as_f64().or(of_format)

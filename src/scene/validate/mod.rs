@@ -39,6 +39,9 @@ impl Scene {
         if let Some(raw) = &self.volume.raw {
             check_raw(raw)?;
         }
+        if let Some(labels) = &self.volume.labels {
+            labels.validate()?;
+        }
         self.camera.validate()?;
         check_image(&self.image)?;
         self.transfer_function.validate()?;

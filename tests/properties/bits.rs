@@ -3,7 +3,7 @@
 use umbravox::headless::Headless;
 use umbravox::picture::Picture;
 
-use crate::random::subject;
+use crate::random::varied;
 use crate::sessions::{Subject, assert_valid, device, shown};
 
 /// Random scenes; `UMBRAVOX_CASES` for more.
@@ -63,7 +63,7 @@ fn pictures_depend_on_the_scene_alone() {
     let (mut visible, mut skipped, mut lit) = (0, 0, 0);
     let cases = cases();
     for seed in 0..cases {
-        let subject = subject(seed);
+        let subject = varied(seed);
         let mut session = subject.session(&plain);
         let expected = session.frame().unwrap();
         // Both sessions live on one device.

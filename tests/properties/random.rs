@@ -153,7 +153,7 @@ fn camera(random: &mut Random, volume: &Volume) -> Camera {
     }
 }
 
-/// The scene of a seed.
+/// The scene of a seed: emission and absorption of a trilinear or nearest field.
 pub(crate) fn subject(seed: u64) -> Subject {
     let mut random = Random::new(seed);
     let volume = volume(&mut random);
@@ -167,6 +167,35 @@ pub(crate) fn subject(seed: u64) -> Subject {
     scene.march.jitter = random.chance(0.3);
     scene.march.seed = random.bits() as u32;
     scene.march.inter_block_interpolation = random.chance(0.8);
+    if random.chance(0.2) {
+        scene.march.interpolation = Interpolation::Nearest;
+    }
+    if random.chance(0.3) {
+        scene.lighting.shading = Shading::Diffuse;
+    }
+    if random.chance(0.3) {
+        scene.storage.data_reduction = random.between(1.5, 20.0);
+    }
+    if random.chance(0.4) {
+        scene.ambient_occlusion = Some(AmbientOcclusion {
+            rays: random.pick(&[1, 2, 3]),
+            radius: random.between(2.0, 12.0),
+            offset: random.pick(&[0.0, 1.0]),
+            step: random.between(0.5, 1.5),
+            gamma: random.between(0.3, 2.0),
+            bias: random.between(0.0, 0.2),
+            emission: random.chance(0.7),
+            ..Default::default()
+        });
+    }
+    subject
+}
+
+/// The scene of a seed with any filter, classification and projection.
+pub(crate) fn varied(seed: u64) -> Subject {
+    let mut random = Random::new(!seed);
+    let mut subject = subject(seed);
+    let scene = &mut subject.scene;
     scene.march.interpolation = random.pick(&[
         Interpolation::Nearest,
         Interpolation::Linear,
@@ -215,8 +244,7 @@ pub(crate) fn subject(seed: u64) -> Subject {
         scene.march.projection,
         RayProjection::Composite | RayProjection::Isosurface
     );
-    if is_lit && random.chance(0.3) {
-        scene.lighting.shading = Shading::Diffuse;
+    if is_lit {
         scene.lighting.gradient = random.pick(&[
             Gradient::CentralDifferences,
             Gradient::FourPoint,
@@ -225,21 +253,9 @@ pub(crate) fn subject(seed: u64) -> Subject {
             Gradient::Bspline,
             Gradient::CatmullRom,
         ]);
-    }
-    if random.chance(0.3) {
-        scene.storage.data_reduction = random.between(1.5, 20.0);
-    }
-    if is_lit && random.chance(0.4) {
-        scene.ambient_occlusion = Some(AmbientOcclusion {
-            rays: random.pick(&[1, 2, 3]),
-            radius: random.between(2.0, 12.0),
-            offset: random.pick(&[0.0, 1.0]),
-            step: random.between(0.5, 1.5),
-            gamma: random.between(0.3, 2.0),
-            bias: random.between(0.0, 0.2),
-            emission: random.chance(0.7),
-            ..Default::default()
-        });
+    } else {
+        scene.lighting.shading = Shading::None;
+        scene.ambient_occlusion = None;
     }
     subject
 }

@@ -1,10 +1,11 @@
-//! The figures of Hernell, Ljung and Ynnerman (2007) with this renderer: pictures into `docs/figures/`, measurements
-//! into `docs/results.md`. `make figures` runs it.
+//! The figures of Hernell, Ljung and Ynnerman (2007) with this renderer, and those of the integrator's contract: pictures into
+//! `docs/figures/`, measurements into `docs/results.md`. `make figures` runs it.
 //!
 //! `cargo run --release --example figures [pictures|tables] [NAME]` does one half, or the pictures whose name holds `NAME`.
 
 mod difference;
 mod pictures;
+mod signals;
 mod synthetic;
 mod tables;
 
@@ -55,6 +56,7 @@ fn run() -> Result<()> {
     let headless = Headless::new(&Options::default())?;
     if pictures {
         synthetic::write(Path::new(SYNTHETIC_VOLUME))?;
+        signals::write()?;
         pictures::render(&headless, Path::new(FOLDER), only)?;
     }
     if tables {

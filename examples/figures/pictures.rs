@@ -10,6 +10,8 @@ use crate::{Loaded, load, picture};
 
 const SYNTHETIC: &str = "examples/synthetic.json";
 const AORTA: &str = "examples/aorta.json";
+const MARSCHNER_LOBB: &str = "examples/marschner_lobb.json";
+const SHELLS: &str = "examples/shells.json";
 
 /// A picture in `docs/figures/`.
 struct Figure {
@@ -78,6 +80,27 @@ const FIGURES: &[Figure] = &[
     ),
     figure("fig8_lao_close", AORTA, &[SMALL, CLOSE_UP, UNSHADED]),
     figure("aorta", AORTA, &["image.size=[296,296]"]),
+    figure("filter_linear", MARSCHNER_LOBB, &[]),
+    figure(
+        "filter_linear_bspline_gradient",
+        MARSCHNER_LOBB,
+        &["lighting.gradient=bspline"],
+    ),
+    figure(
+        "filter_bspline",
+        MARSCHNER_LOBB,
+        &["march.interpolation=bspline", "lighting.gradient=bspline"],
+    ),
+    figure(
+        "filter_catmull_rom",
+        MARSCHNER_LOBB,
+        &[
+            "march.interpolation=catmull_rom",
+            "lighting.gradient=catmull_rom",
+        ],
+    ),
+    figure("shells_post", SHELLS, &["march.classification=post"]),
+    figure("shells_preintegrated", SHELLS, &[]),
 ];
 
 /// Renders those whose name holds `only` into `folder`.

@@ -15,7 +15,7 @@ const FAR: f64 = 1e7;
 /// Most cells over the function's range. A table has 16 bytes an entry, and as many again with emission.
 const MAX_CELLS: usize = 892;
 /// Fewest cells over the function's range, given as many bins.
-const MIN_CELLS: usize = 128;
+const MIN_CELLS: usize = 256;
 /// Cells of a piece between control points, where the table has room for them and the piece has as many bins. Pieces that show
 /// nothing need as many as others: what a segment shows depends on how far it reaches into them.
 const CELLS_A_PIECE: usize = 64;

@@ -93,7 +93,7 @@ pub struct LabelStyle {
     pub shown: bool,
     /// Linear colour.
     pub color: [f64; 3],
-    /// Share of `color` in place of the transfer function's, `[0,1]`.
+    /// Share of `color` in place of the transfer function's, from 0 to 1.
     pub tint: f64,
 }
 

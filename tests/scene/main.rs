@@ -10,7 +10,9 @@ mod transfer_function;
 use std::path::Path;
 
 use serde_json::Value;
-use umbravox::scene::{Camera, Override, Scene, Shading, is_scene_file, schema};
+use umbravox::scene::{
+    Camera, Classification, March, Override, Scene, Shading, is_scene_file, schema,
+};
 use umbravox::{Error, Result};
 
 fn parse(text: &str) -> Result<Scene> {
@@ -59,7 +61,17 @@ fn complete_and_minimal_scenes_parse() {
     let minimal = parse(MINIMAL).unwrap();
     assert_eq!(minimal.ambient_occlusion, None);
     assert_eq!(minimal.camera, Camera::default());
-    assert_eq!(minimal.march, complete.march);
+    assert_eq!(
+        minimal.march.classification(),
+        Classification::Preintegrated
+    );
+    assert_eq!(
+        complete.march,
+        March {
+            classification: Some(Classification::Post),
+            ..minimal.march
+        }
+    );
 }
 
 #[test]

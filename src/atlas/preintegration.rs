@@ -188,7 +188,7 @@ impl Preintegration {
         self.shown_before[end] > self.shown_before[first]
     }
 
-    /// Rows of RGBA texels, one an entry: antiderivatives, from the first entry on, of extinction times colour (rgb) and of
+    /// Rows of RGBA texels, one an entry: antiderivatives, from the first control point on, of extinction times colour (rgb) and of
     /// extinction (a), as the sum of two floats in two rows; of extinction times emission (rgb), and the entry's value (a),
     /// likewise; colour and extinction at the entry; emission at the entry.
     ///
@@ -196,11 +196,7 @@ impl Preintegration {
     pub(crate) fn texels(&self, step: f64) -> Vec<[f32; 4]> {
         let count = self.entries.len();
         let mut texels = vec![[0.0f32; 4]; ROWS as usize * count];
-        let mut sums = Integrals::default();
-        for (at, entry) in self.entries.iter().enumerate() {
-            if at > 0 {
-                self.integrate(self.entries[at - 1].value, entry.value, step, &mut sums);
-            }
+        for (at, (entry, sums)) in self.entries.iter().zip(self.integrals(step)).enumerate() {
             let here = if entry.below {
                 self.curve.before(entry.value)
             } else {
@@ -226,6 +222,25 @@ impl Preintegration {
             put(5, [r, g, b, 0.0]);
         }
         texels
+    }
+
+    /// Integrals from the first control point to every entry: what lies far beyond must not drown what is near.
+    fn integrals(&self, step: f64) -> Vec<Integrals> {
+        let mut sums = vec![Integrals::default(); self.entries.len()];
+        for at in TAIL_CELLS + 1..self.entries.len() {
+            let mut sum = sums[at - 1];
+            let [from, to] = [at - 1, at].map(|e| self.entries[e].value);
+            self.integrate(from, to, step, &mut sum);
+            sums[at] = sum;
+        }
+        for at in (0..TAIL_CELLS).rev() {
+            // Backwards: the sum of what lies between, negative.
+            let mut sum = sums[at + 1].negative();
+            let [from, to] = [at, at + 1].map(|e| self.entries[e].value);
+            self.integrate(from, to, step, &mut sum);
+            sums[at] = sum.negative();
+        }
+        sums
     }
 
     /// Adds what lies between two values.
@@ -314,6 +329,14 @@ const GAUSS: [(f64, f64); 4] = [
 ];
 
 impl Integrals {
+    fn negative(self) -> Self {
+        Self {
+            extinction: -self.extinction,
+            color: self.color.map(|c| -c),
+            emission: self.emission.map(|e| -e),
+        }
+    }
+
     /// Adds a piece over which colour, emission and opacity are linear.
     fn add_piece(&mut self, a: &Optical, b: &Optical, length: f64, step: f64) {
         let extinction = length * mean_depth(a.opacity, b.opacity, step);

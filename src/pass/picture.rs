@@ -17,9 +17,10 @@ use crate::atlas::{Images, LabelImages, TableImages};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Image, ImageInfo, Recorder, Sampler, Uniforms};
 use crate::scene::{Classification, Gradient, RayProjection};
+use crate::shader::PassInterface;
 use crate::shader::generated::*;
+use crate::shader::interface::{self, PicturePasses};
 use crate::shader::structs::MarchPush;
-use crate::shader::{PassInterface, interface};
 
 /// What specializes a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,47 +39,20 @@ pub(crate) struct PictureVariant {
     pub(crate) blend: Option<vk::Format>,
 }
 
-/// The programs of one kind of picture, by what they do with the target.
-struct Program {
-    any: &'static PassInterface,
-    blend_rgba8: &'static PassInterface,
-    blend_rgba16f: &'static PassInterface,
-    blend_rgba32f: &'static PassInterface,
-}
-
-const MARCH: Program = Program {
-    any: &interface::MARCH,
-    blend_rgba8: &interface::MARCH_BLEND_RGBA8,
-    blend_rgba16f: &interface::MARCH_BLEND_RGBA16F,
-    blend_rgba32f: &interface::MARCH_BLEND_RGBA32F,
-};
-
-const EXTREMUM: Program = Program {
-    any: &interface::EXTREMUM,
-    blend_rgba8: &interface::EXTREMUM_BLEND_RGBA8,
-    blend_rgba16f: &interface::EXTREMUM_BLEND_RGBA16F,
-    blend_rgba32f: &interface::EXTREMUM_BLEND_RGBA32F,
-};
-
-const ISOSURFACE: Program = Program {
-    any: &interface::ISOSURFACE,
-    blend_rgba8: &interface::ISOSURFACE_BLEND_RGBA8,
-    blend_rgba16f: &interface::ISOSURFACE_BLEND_RGBA16F,
-    blend_rgba32f: &interface::ISOSURFACE_BLEND_RGBA32F,
-};
-
 impl PictureVariant {
     fn interface(self) -> &'static PassInterface {
-        let program = match self.projection {
-            RayProjection::Composite | RayProjection::Xray => MARCH,
-            RayProjection::Maximum | RayProjection::Minimum | RayProjection::Mean => EXTREMUM,
-            RayProjection::Isosurface => ISOSURFACE,
+        let passes: &PicturePasses = match self.projection {
+            RayProjection::Composite | RayProjection::Xray => &interface::MARCH,
+            RayProjection::Maximum | RayProjection::Minimum | RayProjection::Mean => {
+                &interface::EXTREMUM
+            }
+            RayProjection::Isosurface => &interface::ISOSURFACE,
         };
         match self.blend {
-            None => program.any,
-            Some(vk::Format::R8G8B8A8_UNORM) => program.blend_rgba8,
-            Some(vk::Format::R16G16B16A16_SFLOAT) => program.blend_rgba16f,
-            Some(_) => program.blend_rgba32f,
+            None => &passes.any,
+            Some(vk::Format::R8G8B8A8_UNORM) => &passes.blend_rgba8,
+            Some(vk::Format::R16G16B16A16_SFLOAT) => &passes.blend_rgba16f,
+            Some(_) => &passes.blend_rgba32f,
         }
     }
 

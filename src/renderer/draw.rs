@@ -151,29 +151,20 @@ impl Loaded {
             light_pass,
             ..
         } = self;
-        let labels = labels.as_ref();
-        let work = &visibility.light;
+        let resources = LightResources {
+            images,
+            labels: labels.as_ref(),
+            lists,
+            work: &visibility.light,
+            volume,
+        };
         recorder.pass(pass_name::LIGHT, |recorder| {
-            let resources = LightResources {
-                images,
-                labels,
-                lists,
-                work,
-                volume,
-            };
             light_pass.trace(context, recorder, reconstruction, &resources, push)
         })?;
-        if work.seam.is_empty() {
+        if resources.work.seam.is_empty() {
             return Ok(());
         }
         recorder.pass(pass_name::LIGHT_SEAM, |recorder| {
-            let resources = LightResources {
-                images,
-                labels,
-                lists,
-                work,
-                volume,
-            };
             light_pass.seam(context, recorder, reconstruction, &resources)
         })
     }

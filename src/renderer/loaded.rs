@@ -129,7 +129,7 @@ impl Loaded {
         let current = residency.as_ref().unwrap_or(&self.residency);
         let visibility = (reclassify || residency.is_some() || lit != was_lit)
             .then(|| visibility(&self.store, current, &table, &settings));
-        let prepared = (reclassify || residency.is_some() || settings.march != old.march)
+        let prepared = (reclassify || residency.is_some() || settings.march.step != old.march.step)
             .then(|| Prepared::new(context, NAME, &table, current, &settings))
             .transpose()?;
         let images = (residency.is_some() || lit != was_lit)

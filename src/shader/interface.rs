@@ -86,18 +86,43 @@ const fn storage_image(number: u32, access: Access) -> Binding {
     binding(number, DescriptorKind::StorageImage, access)
 }
 
-/// A program that draws a picture.
+/// The programs of one kind of picture, by what they do with the target.
+#[derive(Clone, Copy, Debug)]
+pub struct PicturePasses {
+    /// Into a target of any format, whose contents do not matter.
+    pub any: PassInterface,
+    /// Over what an `R8G8B8A8_UNORM` target holds.
+    pub blend_rgba8: PassInterface,
+    /// Over what an `R16G16B16A16_SFLOAT` target holds.
+    pub blend_rgba16f: PassInterface,
+    /// Over what an `R32G32B32A32_SFLOAT` target holds.
+    pub blend_rgba32f: PassInterface,
+}
+
+/// `modules` in the order of the fields; `bindings` without and with reading of the target.
 const fn picture(
-    module: &'static Module,
-    bindings: &'static [Binding],
+    modules: [&'static Module; 4],
+    bindings: [&'static [Binding]; 2],
     spec_ids: &'static [u32],
-) -> PassInterface {
-    PassInterface {
-        module,
-        bindings,
-        push_constants: Some(MarchPush::LAYOUT),
-        spec_ids,
-        local_size: [8, 8, 1],
+) -> PicturePasses {
+    const fn pass(
+        module: &'static Module,
+        bindings: &'static [Binding],
+        spec_ids: &'static [u32],
+    ) -> PassInterface {
+        PassInterface {
+            module,
+            bindings,
+            push_constants: Some(MarchPush::LAYOUT),
+            spec_ids,
+            local_size: [8, 8, 1],
+        }
+    }
+    PicturePasses {
+        any: pass(modules[0], bindings[0], spec_ids),
+        blend_rgba8: pass(modules[1], bindings[1], spec_ids),
+        blend_rgba16f: pass(modules[2], bindings[1], spec_ids),
+        blend_rgba32f: pass(modules[3], bindings[1], spec_ids),
     }
 }
 
@@ -140,27 +165,18 @@ const fn march_bindings(target: Access) -> [Binding; 14] {
     ]
 }
 
-const MARCH_BINDINGS: &[Binding] = &march_bindings(Access::Write);
-const MARCH_BLEND_BINDINGS: &[Binding] = &march_bindings(Access::ReadWrite);
-
-/// Emission and absorption into a target of any format.
-pub const MARCH: PassInterface = picture(&generated::MARCH, MARCH_BINDINGS, MARCH_SPEC_IDS);
-/// Over what an `R8G8B8A8_UNORM` target holds.
-pub const MARCH_BLEND_RGBA8: PassInterface = picture(
-    &generated::MARCH_BLEND_RGBA8,
-    MARCH_BLEND_BINDINGS,
-    MARCH_SPEC_IDS,
-);
-/// Over what an `R16G16B16A16_SFLOAT` target holds.
-pub const MARCH_BLEND_RGBA16F: PassInterface = picture(
-    &generated::MARCH_BLEND_RGBA16F,
-    MARCH_BLEND_BINDINGS,
-    MARCH_SPEC_IDS,
-);
-/// Over what an `R32G32B32A32_SFLOAT` target holds.
-pub const MARCH_BLEND_RGBA32F: PassInterface = picture(
-    &generated::MARCH_BLEND_RGBA32F,
-    MARCH_BLEND_BINDINGS,
+/// Emission and absorption.
+pub const MARCH: PicturePasses = picture(
+    [
+        &generated::MARCH,
+        &generated::MARCH_BLEND_RGBA8,
+        &generated::MARCH_BLEND_RGBA16F,
+        &generated::MARCH_BLEND_RGBA32F,
+    ],
+    [
+        &march_bindings(Access::Write),
+        &march_bindings(Access::ReadWrite),
+    ],
     MARCH_SPEC_IDS,
 );
 
@@ -196,28 +212,18 @@ const fn extremum_bindings(target: Access) -> [Binding; 11] {
     ]
 }
 
-const EXTREMUM_BINDINGS: &[Binding] = &extremum_bindings(Access::Write);
-const EXTREMUM_BLEND_BINDINGS: &[Binding] = &extremum_bindings(Access::ReadWrite);
-
-/// The largest, smallest or mean sample of each ray, into a target of any format.
-pub const EXTREMUM: PassInterface =
-    picture(&generated::EXTREMUM, EXTREMUM_BINDINGS, EXTREMUM_SPEC_IDS);
-/// Over what an `R8G8B8A8_UNORM` target holds.
-pub const EXTREMUM_BLEND_RGBA8: PassInterface = picture(
-    &generated::EXTREMUM_BLEND_RGBA8,
-    EXTREMUM_BLEND_BINDINGS,
-    EXTREMUM_SPEC_IDS,
-);
-/// Over what an `R16G16B16A16_SFLOAT` target holds.
-pub const EXTREMUM_BLEND_RGBA16F: PassInterface = picture(
-    &generated::EXTREMUM_BLEND_RGBA16F,
-    EXTREMUM_BLEND_BINDINGS,
-    EXTREMUM_SPEC_IDS,
-);
-/// Over what an `R32G32B32A32_SFLOAT` target holds.
-pub const EXTREMUM_BLEND_RGBA32F: PassInterface = picture(
-    &generated::EXTREMUM_BLEND_RGBA32F,
-    EXTREMUM_BLEND_BINDINGS,
+/// The largest, smallest or mean sample of each ray.
+pub const EXTREMUM: PicturePasses = picture(
+    [
+        &generated::EXTREMUM,
+        &generated::EXTREMUM_BLEND_RGBA8,
+        &generated::EXTREMUM_BLEND_RGBA16F,
+        &generated::EXTREMUM_BLEND_RGBA32F,
+    ],
+    [
+        &extremum_bindings(Access::Write),
+        &extremum_bindings(Access::ReadWrite),
+    ],
     EXTREMUM_SPEC_IDS,
 );
 
@@ -254,31 +260,18 @@ const fn isosurface_bindings(target: Access) -> [Binding; 12] {
     ]
 }
 
-const ISOSURFACE_BINDINGS: &[Binding] = &isosurface_bindings(Access::Write);
-const ISOSURFACE_BLEND_BINDINGS: &[Binding] = &isosurface_bindings(Access::ReadWrite);
-
-/// Surfaces of equal value, into a target of any format.
-pub const ISOSURFACE: PassInterface = picture(
-    &generated::ISOSURFACE,
-    ISOSURFACE_BINDINGS,
-    ISOSURFACE_SPEC_IDS,
-);
-/// Over what an `R8G8B8A8_UNORM` target holds.
-pub const ISOSURFACE_BLEND_RGBA8: PassInterface = picture(
-    &generated::ISOSURFACE_BLEND_RGBA8,
-    ISOSURFACE_BLEND_BINDINGS,
-    ISOSURFACE_SPEC_IDS,
-);
-/// Over what an `R16G16B16A16_SFLOAT` target holds.
-pub const ISOSURFACE_BLEND_RGBA16F: PassInterface = picture(
-    &generated::ISOSURFACE_BLEND_RGBA16F,
-    ISOSURFACE_BLEND_BINDINGS,
-    ISOSURFACE_SPEC_IDS,
-);
-/// Over what an `R32G32B32A32_SFLOAT` target holds.
-pub const ISOSURFACE_BLEND_RGBA32F: PassInterface = picture(
-    &generated::ISOSURFACE_BLEND_RGBA32F,
-    ISOSURFACE_BLEND_BINDINGS,
+/// Surfaces of equal value.
+pub const ISOSURFACE: PicturePasses = picture(
+    [
+        &generated::ISOSURFACE,
+        &generated::ISOSURFACE_BLEND_RGBA8,
+        &generated::ISOSURFACE_BLEND_RGBA16F,
+        &generated::ISOSURFACE_BLEND_RGBA32F,
+    ],
+    [
+        &isosurface_bindings(Access::Write),
+        &isosurface_bindings(Access::ReadWrite),
+    ],
     ISOSURFACE_SPEC_IDS,
 );
 
@@ -356,18 +349,18 @@ pub const BARE: PassInterface = PassInterface {
 
 /// Every pass. A module in `spirv/` that is missing here fails `tests/shaders.rs`.
 pub const PASSES: &[PassInterface] = &[
-    MARCH,
-    MARCH_BLEND_RGBA8,
-    MARCH_BLEND_RGBA16F,
-    MARCH_BLEND_RGBA32F,
-    EXTREMUM,
-    EXTREMUM_BLEND_RGBA8,
-    EXTREMUM_BLEND_RGBA16F,
-    EXTREMUM_BLEND_RGBA32F,
-    ISOSURFACE,
-    ISOSURFACE_BLEND_RGBA8,
-    ISOSURFACE_BLEND_RGBA16F,
-    ISOSURFACE_BLEND_RGBA32F,
+    MARCH.any,
+    MARCH.blend_rgba8,
+    MARCH.blend_rgba16f,
+    MARCH.blend_rgba32f,
+    EXTREMUM.any,
+    EXTREMUM.blend_rgba8,
+    EXTREMUM.blend_rgba16f,
+    EXTREMUM.blend_rgba32f,
+    ISOSURFACE.any,
+    ISOSURFACE.blend_rgba8,
+    ISOSURFACE.blend_rgba16f,
+    ISOSURFACE.blend_rgba32f,
     PREINTEGRATE,
     LIGHT_TRACE,
     LIGHT_SEAM,

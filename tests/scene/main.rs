@@ -4,6 +4,7 @@ mod camera;
 mod content;
 mod first_picture;
 mod messages;
+mod phase;
 mod transfer_file;
 mod transfer_function;
 

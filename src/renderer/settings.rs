@@ -58,6 +58,12 @@ impl Settings {
         self.march.validate()?;
         self.lighting.validate()?;
         self.storage.validate()?;
+        if self.lighting.model != crate::scene::OpticalModel::EmissionAbsorption {
+            return Err(crate::error::Error::invalid(
+                "lighting.model",
+                "this version draws \"emission_absorption\" alone",
+            ));
+        }
         check_together(&self.march, &self.lighting, self.ambient_occlusion.as_ref())?;
         match &self.ambient_occlusion {
             Some(ao) => ao.validate(),

@@ -14,11 +14,13 @@ mod histogram;
 mod image;
 mod labels;
 mod lighting;
+mod lights;
 mod march;
 mod palette;
 mod parse;
 mod phase;
 mod presets;
+mod scattering;
 mod schema;
 mod storage;
 mod transfer_file;
@@ -33,18 +35,21 @@ pub use directions::{DirectionSet, directions};
 pub use first_picture::FirstPicture;
 pub use image::Image;
 pub use labels::{LabelSource, LabelStyle, Labels};
-pub use lighting::{Gradient, Lighting, OpticalModel, Shading};
+pub use lighting::{Gradient, Lighting, OpticalModel, Reflectance, Shading};
+pub use lights::{Environment, Light, MAX_LIGHTS};
 pub use march::{Classification, Interpolation, Isosurface, March, RayProjection, Surface};
 pub use parse::{Override, is_scene_file};
 pub use phase::{MAX_ASYMMETRY, MAX_PHASE_VALUES, PhaseFunction};
 pub use presets::{PRESETS, Preset};
+pub use scattering::{Majorant, Scattering, ScatteringMethod, ShadowMethod, Shadows};
 pub use schema::schema;
 pub use storage::Storage;
 pub use transfer_file::{TRANSFER_TOLERANCE, TransferFile, TransferFormat};
 pub use transfer_function::{ControlPoint, Curve, CurvePoint, Optical, TransferFunction};
 pub(crate) use validate::check_together;
 pub use validate::{
-    MAX_EMISSION, MAX_IMAGE_SIZE, MAX_ISOSURFACES, MAX_RAYS, MAX_SAMPLES_PER_RAY, MIN_STEP,
+    MAX_EMISSION, MAX_EXPOSURE, MAX_IMAGE_SIZE, MAX_ISOSURFACES, MAX_RAYS, MAX_SAMPLES_PER_RAY,
+    MIN_STEP,
 };
 
 use schemars::JsonSchema;

@@ -5,6 +5,7 @@ mod content;
 mod first_picture;
 mod messages;
 mod phase;
+mod procedural;
 mod transfer_file;
 mod transfer_function;
 

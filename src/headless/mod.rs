@@ -32,6 +32,8 @@ pub use stats::{
 const UPLOAD_BYTES: usize = 64 << 20;
 /// Bytes of an image read back by one submission.
 const READ_BACK_BYTES: u64 = 64 << 20;
+/// Paths of a pixel before its noise says something.
+const LEAST_PATHS: u32 = 16;
 /// Linear radiance and opacity.
 const PICTURE_FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 const PICTURE_TEXEL_BYTES: u64 = 16;
@@ -257,13 +259,14 @@ impl Session {
         self.renderer.settings()
     }
 
-    /// One picture with the light as far as it has come, read back. Its number, for the jitter, is the number of directions
-    /// traced.
+    /// One picture with the light as far as it has come, read back; of Monte Carlo with all its paths. Its number, for the
+    /// jitter, is the number of directions traced.
     ///
     /// # Errors
     /// [`Error::DeviceLost`], [`Error::Vulkan`], [`Error::OutOfMemory`].
     pub fn frame(&mut self) -> Result<Picture> {
-        self.timed_frame()?;
+        while self.refine_paths()? {}
+        self.timed_frame_unless_traced()?;
         let rgba = texels(&self.read_back(&self.target, PICTURE_TEXEL_BYTES)?);
         let aux: Vec<[f32; 4]> = texels(&self.read_back(&self.aux, PICTURE_TEXEL_BYTES)?);
         let through = self
@@ -277,6 +280,7 @@ impl Session {
                     .map(|[r, g, b, _]| [r, g, b])
                     .collect()
             });
+        let variance = self.moments()?.map(|(_, variance)| variance);
         let samples: Vec<u32> = aux.iter().map(|a| a[1] as u32).collect();
         self.samples = Some(samples.iter().map(|&n| u64::from(n)).sum());
         Ok(Picture {
@@ -287,8 +291,85 @@ impl Session {
             measure: aux.iter().map(|a| a[3]).collect(),
             measured: measured(self.settings()),
             through,
+            variance,
             samples,
         })
+    }
+
+    /// Traces one more path from every pixel. True while paths are left, and the noise is above what the scene allows.
+    ///
+    /// # Errors
+    /// As [`Session::frame`].
+    pub fn refine_paths(&mut self) -> Result<bool> {
+        let (traced, paths) = self.path_progress();
+        if traced >= paths {
+            return Ok(false);
+        }
+        self.timed_frame()?;
+        let traced = traced + 1;
+        let noise = self.settings().lighting.scattering.noise;
+        // Looked at when the number of paths has doubled: reading back costs as much as some paths.
+        if noise > 0.0 && traced >= LEAST_PATHS && traced.is_power_of_two() {
+            let (error, mean) = self.noise()?;
+            return Ok(traced < paths && error > noise * mean);
+        }
+        Ok(traced < paths)
+    }
+
+    /// Paths of every pixel of this view so far, and those that the scene asks for; 0 where none are traced.
+    pub fn path_progress(&self) -> (u32, u32) {
+        self.renderer
+            .loaded()
+            .path_progress_of(&self.view_rays(), self.size())
+    }
+
+    fn view_rays(&self) -> RayBasis {
+        RayBasis::from_view(&self.view, self.size())
+    }
+
+    /// Root mean square standard error of the pixels' means, and the mean of the picture, over all channels.
+    fn noise(&mut self) -> Result<(f64, f64)> {
+        let Some((mean, variance)) = self.moments()? else {
+            return Ok((0.0, 0.0));
+        };
+        let count = 3.0 * mean.len() as f64;
+        let sum = |values: &[[f32; 3]]| {
+            values
+                .as_flattened()
+                .iter()
+                .copied()
+                .map(f64::from)
+                .sum::<f64>()
+        };
+        Ok(((sum(&variance) / count).sqrt(), sum(&mean) / count))
+    }
+
+    /// Mean radiance of every pixel's paths, and the variance of that mean.
+    fn moments(&mut self) -> Result<Option<(Vec<[f32; 3]>, Vec<[f32; 3]>)>> {
+        let Some(paths) = self.renderer.loaded().paths() else {
+            return Ok(None);
+        };
+        let n = f64::from(paths.traced().max(1));
+        let sums = texels(&self.read_back(&paths.sum, PICTURE_TEXEL_BYTES)?);
+        let squares = texels(&self.read_back(&paths.square, PICTURE_TEXEL_BYTES)?);
+        let mean = |s: [f32; 4]| std::array::from_fn(|c| (f64::from(s[c]) / n) as f32);
+        let variance = |(s, q): (&[f32; 4], &[f32; 4])| {
+            std::array::from_fn(|c| {
+                let mean = f64::from(s[c]) / n;
+                let spread = (f64::from(q[c]) / n - mean * mean).max(0.0);
+                (spread / (n - 1.0).max(1.0)) as f32
+            })
+        };
+        let variances = sums.iter().zip(&squares).map(variance).collect();
+        Ok(Some((sums.into_iter().map(mean).collect(), variances)))
+    }
+
+    /// Nothing is left to draw where paths have drawn it.
+    fn timed_frame_unless_traced(&mut self) -> Result<()> {
+        if self.path_progress().0 == 0 {
+            self.timed_frame()?;
+        }
+        Ok(())
     }
 
     /// One picture without read-back. Milliseconds from the start of recording to completion on the device.

@@ -42,3 +42,4 @@
 #define SPEC_XRAY 15
 #define SPEC_PROJECTION 16
 #define SPEC_LABELS 17
+#define SPEC_COUNT 18

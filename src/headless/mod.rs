@@ -1,5 +1,6 @@
 //! Rendering without a host: a device of our own, pictures read back.
 
+mod frame_time;
 mod light_volume;
 mod probe;
 mod provenance;
@@ -9,6 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use ash::vk;
 
+use self::frame_time::Stopwatch;
 use crate::embed::record_owned;
 use crate::error::{Error, Result};
 use crate::gpu::memory::MemoryLocation;
@@ -19,6 +21,7 @@ use crate::scene::{RayProjection, Scene, View};
 use crate::volume::Volume;
 
 pub use crate::gpu::DeviceInfo;
+pub use frame_time::FrameTime;
 pub use light_volume::LightVolume;
 pub use probe::{Hit, PixelProbe};
 pub use provenance::Provenance;
@@ -281,16 +284,15 @@ impl Session {
         })
     }
 
-    /// One picture without read-back. Milliseconds from the start of recording to completion on the device.
+    /// One picture without read-back.
     ///
     /// # Errors
     /// As [`Session::frame`].
-    pub fn timed_frame(&mut self) -> Result<f64> {
+    pub fn timed_frame(&mut self) -> Result<FrameTime> {
         self.samples = None;
-        let start = std::time::Instant::now();
-        self.submit(Work::PictureOnly)?;
-        self.times.frame_ms = start.elapsed().as_secs_f64() * 1e3;
-        Ok(self.times.frame_ms)
+        let time = self.timed(Work::PictureOnly)?;
+        self.times.frame_ms = time.wall_ms;
+        Ok(time)
     }
 
     /// The light volume on the full grid; traces what is missing first.
@@ -329,15 +331,71 @@ impl Session {
     }
 
     /// The device's limit: marches the same rays, but only samples one texture of the volume's format and size and looks the
-    /// transfer function up; as many samples as a picture takes without skipping and early termination. Milliseconds as
-    /// [`Session::timed_frame`]. The picture is lost.
+    /// transfer function up; as many samples as a picture takes without skipping and early termination. The picture
+    /// is lost.
     ///
     /// # Errors
     /// As [`Session::frame`].
-    pub fn timed_bare_march(&mut self) -> Result<f64> {
-        let start = std::time::Instant::now();
-        self.submit(Work::Bare)?;
-        Ok(start.elapsed().as_secs_f64() * 1e3)
+    pub fn timed_bare_march(&mut self) -> Result<FrameTime> {
+        self.timed(Work::Bare)
+    }
+
+    /// The limit of a direction of light: for every sample of the light volume as many samples of the field as a ray has at the
+    /// finest level, each one texture read and one look-up of the transfer function. `None` when ambient occlusion is off. The
+    /// light starts again.
+    ///
+    /// # Errors
+    /// As [`Session::frame`].
+    pub fn timed_bare_light(&mut self) -> Result<Option<FrameTime>> {
+        if self.light_rays() == 0 {
+            return Ok(None);
+        }
+        self.restart_light();
+        let time = self.timed(Work::BareLight)?;
+        self.restart_light();
+        Ok(Some(time))
+    }
+
+    /// Samples of the field that all directions of light take together. `None` when ambient occlusion is off, where levels of
+    /// detail mix, and where a voxel's share may exceed what the light volume's half floats count, 2048. The light starts again.
+    ///
+    /// # Errors
+    /// As [`Session::frame`].
+    pub fn count_light_samples(&mut self) -> Result<Option<u64>> {
+        let rays = self.light_rays();
+        let most = match &self.settings().ambient_occlusion {
+            Some(ao) => rays * ao.samples_per_ray(),
+            None => return Ok(None),
+        };
+        if most > 2048 || !self.renderer.loaded().residency().layout.is_grid() {
+            return Ok(None);
+        }
+        self.restart_light();
+        for _ in 0..rays {
+            self.submit(Work::CountLight)?;
+        }
+        let atlas = self.read_back(&self.renderer.loaded().images().light, 8)?;
+        let counted = light_volume::unpack(self.renderer.loaded(), bytemuck::cast_slice(&atlas))?;
+        self.restart_light();
+        let bias = self.renderer.loaded().light_bias();
+        let voxels = counted.rgba.iter().filter(|voxel| voxel[3] > 0.0);
+        Ok(Some(voxels.map(|v| (v[0] - bias).round() as u64).sum()))
+    }
+
+    fn restart_light(&mut self) {
+        self.renderer.restart_light();
+        self.times.restart_light();
+    }
+
+    /// Times on the device as in [`Stats::passes`]; reads nothing back.
+    pub fn passes(&self) -> Vec<PassStats> {
+        self.times.passes()
+    }
+
+    fn timed(&mut self, work: Work) -> Result<FrameTime> {
+        let watch = Stopwatch::start();
+        self.submit(work)?;
+        Ok(watch.elapsed())
     }
 
     fn device_info(&self) -> DeviceInfo {
@@ -384,6 +442,7 @@ impl Session {
             e => e,
         })?;
         self.times.add(work, self.renderer.pass_times_of(index));
+        self.times.uploaded_bytes += report.uploaded_bytes;
         Ok(report)
     }
 

@@ -13,13 +13,24 @@ use crate::error::Result;
 use crate::gpu::{Context, Recorder, Uniforms};
 use crate::pass::Reconstruction;
 use crate::pass::bare::BareResources;
-use crate::pass::light::LightResources;
+use crate::pass::light::{LightResources, TraceVariant};
 use crate::pass::picture::{PictureResources, PictureVariant};
 use crate::scene::{Interpolation, RayProjection, Shading};
 use crate::shader::structs::{FrameParams, SurfaceParams, VolumeParams};
 
 /// Samples that one dispatch of the march takes at most: a quarter of a second at 0.5 billion a second.
 const SAMPLES_A_DISPATCH: f64 = 1.3e8;
+
+/// What a direction is traced for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LightWorkload {
+    /// Light.
+    Trace,
+    /// How many samples of the field it takes.
+    Count,
+    /// The bench's bare light.
+    Bare,
+}
 
 impl Loaded {
     /// For a pass in which what emits does so with `emission`.
@@ -125,6 +136,7 @@ impl Loaded {
         context: &Arc<Context>,
         recorder: &mut Recorder<'_>,
         volume: Uniforms,
+        workload: LightWorkload,
     ) -> Result<()> {
         // Light follows the linear field, whatever the march does; emission only where it is asked for.
         let emission = self
@@ -149,6 +161,7 @@ impl Loaded {
             lists,
             visibility,
             light_pass,
+            bare_light_pass,
             ..
         } = self;
         let resources = LightResources {
@@ -158,10 +171,19 @@ impl Loaded {
             work: &visibility.light,
             volume,
         };
+        if workload == LightWorkload::Bare {
+            return recorder.pass(pass_name::BARE_LIGHT, |recorder| {
+                bare_light_pass.record(context, recorder, reconstruction, &resources, push)
+            });
+        }
+        let variant = TraceVariant {
+            reconstruction,
+            count: workload == LightWorkload::Count,
+        };
         recorder.pass(pass_name::LIGHT, |recorder| {
-            light_pass.trace(context, recorder, reconstruction, &resources, push)
+            light_pass.trace(context, recorder, variant, &resources, push)
         })?;
-        if resources.work.seam.is_empty() {
+        if variant.count || resources.work.seam.is_empty() {
             return Ok(());
         }
         recorder.pass(pass_name::LIGHT_SEAM, |recorder| {

@@ -12,6 +12,7 @@ use crate::atlas::{
 use crate::error::Result;
 use crate::gpu::Context;
 use crate::pass::bare::BarePass;
+use crate::pass::bare_light::BareLightPass;
 use crate::pass::light::LightPass;
 use crate::pass::picture::PicturePass;
 use crate::scene::{Classification, RayProjection};
@@ -35,6 +36,7 @@ pub(crate) struct Loaded {
     pub(super) picture_pass: PicturePass,
     pub(super) light_pass: LightPass,
     pub(super) bare_pass: BarePass,
+    pub(super) bare_light_pass: BareLightPass,
     pub(super) tile: Option<u32>,
 }
 
@@ -73,6 +75,7 @@ impl Loaded {
             picture_pass: PicturePass::new(context)?,
             light_pass: LightPass::new(),
             bare_pass: BarePass::new(),
+            bare_light_pass: BareLightPass::new(),
             tile: None,
         })
     }
@@ -188,6 +191,10 @@ impl Loaded {
         self.prepared.forget();
         self.labels.iter_mut().for_each(LabelImages::forget);
         self.uploads = Uploads::all(&self.residency);
+        self.restart_light();
+    }
+
+    pub(super) fn restart_light(&mut self) {
         self.light = light_progress(&self.store, &self.settings);
     }
 

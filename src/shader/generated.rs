@@ -10,6 +10,12 @@ pub static BARE: Module = Module {
     words: include_spirv!("bare.spv"),
 };
 
+/// `spirv/bare_light.spv`.
+pub static BARE_LIGHT: Module = Module {
+    name: "bare_light",
+    words: include_spirv!("bare_light.spv"),
+};
+
 /// `spirv/extremum.spv`.
 pub static EXTREMUM: Module = Module {
     name: "extremum",
@@ -104,6 +110,7 @@ pub static PREINTEGRATE: Module = Module {
 #[rustfmt::skip]
 pub static MODULES: &[&Module] = &[
     &BARE,
+    &BARE_LIGHT,
     &EXTREMUM,
     &EXTREMUM_BLEND_RGBA16F,
     &EXTREMUM_BLEND_RGBA32F,
@@ -202,3 +209,5 @@ pub const SPEC_XRAY: u32 = 15;
 pub const SPEC_PROJECTION: u32 = 16;
 
 pub const SPEC_LABELS: u32 = 17;
+
+pub const SPEC_COUNT: u32 = 18;

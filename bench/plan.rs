@@ -47,7 +47,7 @@ impl Plan {
             size,
             image,
             light_size,
-            light_voxels: 1 << 24,
+            light_voxels: if set == Set::Smoke { 1 << 16 } else { 1 << 24 },
             repeats,
             rays: 3,
         }

@@ -26,6 +26,7 @@ pub(crate) fn write(field: &Field, size: u32, image: u32, folder: &Path) -> Resu
         color: point.optical.color,
         opacity: point.optical.opacity,
         emission: point.optical.emission,
+        source: point.optical.source,
     });
     let transfer_function = TransferFunction {
         unit_distance: Some(curve.unit_distance),

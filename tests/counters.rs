@@ -50,6 +50,7 @@ fn scene(opacities: [f64; 2], values: [f64; 2], classification: Classification) 
         color: [1.0; 3],
         opacity: opacities[at],
         emission: [0.0; 3],
+        source: [0.0; 3],
     });
     Scene {
         volume: VolumeSource {

@@ -57,8 +57,9 @@ float depth_mm(Ray ray, float steps) {
     return (ray.enter + steps) * frame.step_mm;
 }
 
-// Composites premultiplied `color` over what is behind. `layers`: depth, samples, and two that the pass chooses.
-void frame_store(uvec2 px, vec4 color, vec4 layers) {
+// Composites radiance over what is behind, of which the share `through` comes through. `color`: premultiplied. `layers`: depth,
+// samples, and two that the pass chooses.
+void frame_store_through(uvec2 px, vec4 color, vec3 through, vec4 layers) {
     vec4 behind = frame.background;
 #ifdef BLEND_FORMAT
     behind = imageLoad(i_target, ivec2(px));
@@ -66,7 +67,8 @@ void frame_store(uvec2 px, vec4 color, vec4 layers) {
         behind.rgb = decode_srgb(behind.rgb);
     }
 #endif
-    color += (1.0 - color.a) * behind;
+    color.rgb *= frame.exposure;
+    color += vec4(through, 1.0 - color.a) * behind;
     if (ENCODE_SRGB) {
         color.rgb = encode_srgb(color.rgb);
     }
@@ -74,4 +76,8 @@ void frame_store(uvec2 px, vec4 color, vec4 layers) {
     if (AUX) {
         imageStore(i_aux, ivec2(px), layers);
     }
+}
+
+void frame_store(uvec2 px, vec4 color, vec4 layers) {
+    frame_store_through(px, color, vec3(1.0 - color.a), layers);
 }

@@ -14,10 +14,12 @@ use self::frame_time::Stopwatch;
 use crate::embed::record_owned;
 use crate::error::{Error, Result};
 use crate::gpu::memory::MemoryLocation;
-use crate::gpu::{Buffer, CopyBox, HostMemory, Image, ImageInfo, OwnedDevice, OwnedDeviceInfo};
+use crate::gpu::{
+    Buffer, Context, CopyBox, HostMemory, Image, ImageInfo, OwnedDevice, OwnedDeviceInfo,
+};
 use crate::picture::{Measured, Picture};
 use crate::renderer::{Frame, FrameReport, FrameTarget, RayBasis, Renderer, Settings, Work};
-use crate::scene::{RayProjection, Scene, View};
+use crate::scene::{OpticalModel, RayProjection, Scene, View};
 use crate::volume::Volume;
 
 pub use crate::gpu::DeviceInfo;
@@ -146,8 +148,9 @@ fn lock(device: &SharedDevice) -> std::sync::MutexGuard<'_, OwnedDevice> {
 }
 
 /// What the shaders measure besides colour.
-fn measured(projection: RayProjection) -> Measured {
-    match projection {
+fn measured(settings: &Settings) -> Measured {
+    match settings.march.projection {
+        _ if settings.lighting.model == OpticalModel::Absorption => Measured::OpticalDepth,
         RayProjection::Composite | RayProjection::Isosurface => Measured::ExpectedDepth,
         RayProjection::Xray => Measured::OpticalDepth,
         RayProjection::Maximum | RayProjection::Minimum | RayProjection::Mean => Measured::Value,
@@ -160,6 +163,8 @@ pub struct Session {
     target: Image,
     /// Depth, sample count, median depth, and what the projection measures.
     aux: Image,
+    /// What comes through each channel, where extinctions differ.
+    through: Option<Image>,
     view: View,
     times: stats::Times,
     /// Sample counts of the last picture, once read back.
@@ -185,24 +190,15 @@ impl Session {
                 format!("{width} x {height} is beyond this device's {limit} x {limit}"),
             ));
         }
-        let image = |name| {
-            Image::new(
-                &context,
-                &ImageInfo {
-                    name,
-                    extent: [width, height, 1],
-                    format: PICTURE_FORMAT,
-                    three_dimensional: false,
-                    usage: vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_SRC,
-                },
-            )
-        };
+        let image = |name| picture_image(&context, name, [width, height]);
+        let through = through_image(&context, [width, height], &settings)?;
         let mut renderer = Renderer::new(&context, volume, settings)?;
         renderer.set_tile(tile);
         let mut session = Self {
             renderer,
             target: image("umbravox.picture")?,
             aux: image("umbravox.picture.aux")?,
+            through,
             view,
             times: stats::Times::default(),
             samples: None,
@@ -246,7 +242,9 @@ impl Session {
     /// # Errors
     /// As [`Renderer::set_settings`].
     pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
+        let through = through_image(self.renderer.context(), self.size(), &settings)?;
         self.renderer.set_settings(settings)?;
+        self.through = through;
         self.samples = None;
         if self.renderer.loaded().light_progress().0 == 0 {
             self.times.restart_light();
@@ -271,6 +269,17 @@ impl Session {
         self.timed_frame()?;
         let rgba = texels(&self.read_back(&self.target, PICTURE_TEXEL_BYTES)?);
         let aux: Vec<[f32; 4]> = texels(&self.read_back(&self.aux, PICTURE_TEXEL_BYTES)?);
+        let through = self
+            .through
+            .as_ref()
+            .map(|through| self.read_back(through, PICTURE_TEXEL_BYTES))
+            .transpose()?
+            .map(|bytes| {
+                texels(&bytes)
+                    .into_iter()
+                    .map(|[r, g, b, _]| [r, g, b])
+                    .collect()
+            });
         let samples: Vec<u32> = aux.iter().map(|a| a[1] as u32).collect();
         self.samples = Some(samples.iter().map(|&n| u64::from(n)).sum());
         Ok(Picture {
@@ -279,7 +288,8 @@ impl Session {
             depth: aux.iter().map(|a| a[0]).collect(),
             median_depth: aux.iter().map(|a| a[2]).collect(),
             measure: aux.iter().map(|a| a[3]).collect(),
-            measured: measured(self.settings().march.projection),
+            measured: measured(self.settings()),
+            through,
             samples,
         })
     }
@@ -402,7 +412,7 @@ impl Session {
         lock(&self.device).info.clone()
     }
 
-    fn frame_of<'a>(&self, aux: &'a Image) -> Frame<'a> {
+    fn frame_of<'a>(&self, aux: &'a Image, through: Option<&'a Image>) -> Frame<'a> {
         let size_px = self.size();
         Frame {
             rays: RayBasis::from_view(&self.view, size_px),
@@ -416,6 +426,8 @@ impl Session {
             },
             depth: None,
             aux: Some(aux),
+            through,
+            exposure: 1.0,
             number: self.renderer.loaded().light_progress().0,
             upload_budget: UPLOAD_BYTES,
         }
@@ -423,7 +435,7 @@ impl Session {
 
     /// Records, submits and waits.
     fn submit(&mut self, work: Work) -> Result<FrameReport> {
-        let frame = self.frame_of(&self.aux);
+        let frame = self.frame_of(&self.aux, self.through.as_ref());
         let mut device = lock(&self.device);
         let mut index = 0;
         let submitted = device.submit(|recording| {
@@ -451,6 +463,31 @@ impl Session {
         let mut device = lock(&self.device);
         read_back(&mut device, image, texel_bytes)
     }
+}
+
+fn picture_image(context: &Arc<Context>, name: &str, [width, height]: [u32; 2]) -> Result<Image> {
+    Image::new(
+        context,
+        &ImageInfo {
+            name,
+            extent: [width, height, 1],
+            format: PICTURE_FORMAT,
+            three_dimensional: false,
+            usage: vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_SRC,
+        },
+    )
+}
+
+/// Where extinctions differ by channel, the image for what comes through each.
+fn through_image(
+    context: &Arc<Context>,
+    size: [u32; 2],
+    settings: &Settings,
+) -> Result<Option<Image>> {
+    let [r, g, b] = settings.lighting.extinction;
+    (r != g || g != b)
+        .then(|| picture_image(context, "umbravox.picture.through", size))
+        .transpose()
 }
 
 /// Texels of an image, in slabs of bounded size.

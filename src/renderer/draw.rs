@@ -7,6 +7,7 @@ use glam::{DAffine3, DMat4, DVec3, DVec4};
 use super::light::LightProgress;
 use super::loaded::{Loaded, sample_lengths};
 use super::settings::Settings;
+use super::transport::Transport;
 use super::{Frame, FrameReport, pass_name};
 use crate::atlas::UploadResources;
 use crate::error::Result;
@@ -15,7 +16,8 @@ use crate::pass::Reconstruction;
 use crate::pass::bare::BareResources;
 use crate::pass::light::{LightResources, TraceVariant};
 use crate::pass::picture::{PictureResources, PictureVariant};
-use crate::scene::{Interpolation, RayProjection, Shading};
+use crate::pass::shadow::ShadowResources;
+use crate::scene::{Interpolation, OpticalModel, RayProjection, Shading};
 use crate::shader::structs::{FrameParams, SurfaceParams, VolumeParams};
 
 /// Samples that one dispatch of the march takes at most: a quarter of a second at 0.5 billion a second.
@@ -191,6 +193,67 @@ impl Loaded {
         })
     }
 
+    /// Brings the light volumes of the optical model up to date, if it has any.
+    pub(super) fn record_transport(
+        &mut self,
+        context: &Arc<Context>,
+        recorder: &mut Recorder<'_>,
+        volume: Uniforms,
+    ) -> Result<()> {
+        let Some(medium) = self.medium_uniforms(recorder)? else {
+            return Ok(());
+        };
+        let complete = self.uploads.bricks_complete();
+        let reconstruction = self.reconstruction(false);
+        let Self {
+            transport,
+            images,
+            labels,
+            shadow_pass,
+            settings,
+            ..
+        } = self;
+        let Some(transport) = transport else {
+            return Ok(());
+        };
+        transport.images.record(
+            context,
+            recorder,
+            settings.environment.as_deref(),
+            &settings.lighting.phase,
+        )?;
+        if !complete {
+            return Ok(());
+        }
+        let sweeps = std::mem::take(&mut transport.sweeps);
+        if let (Some(grid), false) = (transport.shadow_grid(), sweeps.is_empty()) {
+            let resources = ShadowResources {
+                images,
+                labels: labels.as_ref(),
+                medium_images: &transport.images,
+                grid,
+                volume,
+                medium,
+            };
+            recorder.pass(pass_name::SHADOW, |recorder| {
+                shadow_pass.record(context, recorder, reconstruction, &resources, &sweeps)
+            })?;
+        }
+        Ok(())
+    }
+
+    /// The medium's parameters, where the optical model has one.
+    fn medium_uniforms(&self, recorder: &mut Recorder<'_>) -> Result<Option<Uniforms>> {
+        let samples_per_value = 1.0 / self.table.samples().scale;
+        let params = self
+            .transport
+            .as_ref()
+            .map(|t| t.params(self.step_mm(), samples_per_value));
+        params
+            .map(|p| recorder.slot().uniforms(bytemuck::bytes_of(&p)))
+            .transpose()
+    }
+
     pub(super) fn record_picture(
         &mut self,
         context: &Arc<Context>,
@@ -208,6 +271,7 @@ impl Loaded {
             }
             _ => None,
         };
+        let medium = self.medium_uniforms(recorder)?;
         let Settings {
             march, lighting, ..
         } = &self.settings;
@@ -216,7 +280,9 @@ impl Loaded {
             projection: march.projection,
             classification: march.classification(),
             light: self.light.is_some(),
-            diffuse: (lighting.shading == Shading::Diffuse).then_some(lighting.gradient),
+            diffuse: lighting.shading == Shading::Diffuse,
+            gradient: lighting.gradient,
+            transport: self.transport.as_ref().map(Transport::variant),
             jitter: march.jitter,
             aux: frame.aux.is_some(),
             scene_depth: frame.depth.is_some(),
@@ -229,6 +295,7 @@ impl Loaded {
             labels,
             picture_pass,
             prepared,
+            transport,
             ..
         } = self;
         recorder.pass(pass_name::MARCH, |recorder| {
@@ -240,6 +307,8 @@ impl Loaded {
                 volume,
                 frame: frame_uniforms,
                 surfaces,
+                medium: transport.as_ref().map(|t| &t.images).zip(medium),
+                through: frame.through,
                 target: target.view,
                 scene_depth: frame.depth.map(|d| (d.view, d.layout)),
                 aux: frame.aux,
@@ -348,7 +417,7 @@ impl Loaded {
             frame: frame.number,
             value_from_sample: samples.scale as f32,
             value_offset: samples.offset as f32,
-            pad0: 0.0,
+            exposure: frame.exposure,
             pad1: 0.0,
             pad2: 0.0,
         }
@@ -356,10 +425,13 @@ impl Loaded {
 
     /// Opacity at which rays stop; above 1: never.
     fn early_termination(&self) -> f32 {
-        let march = &self.settings.march;
+        let Settings {
+            march, lighting, ..
+        } = &self.settings;
         match march.projection {
             // Optical depth goes on growing when all is dark.
             RayProjection::Xray => 2.0,
+            _ if lighting.model == OpticalModel::Absorption => 2.0,
             _ => march.early_termination as f32,
         }
     }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::light::LightProgress;
 use super::prepared::Prepared;
 use super::settings::Settings;
+use super::transport::Transport;
 use crate::atlas::{
     Images, LIGHT_TEXEL_BYTES, LabelImages, LightLists, Residency, SampleLengths, SampleScale,
     Shown, Store, TransferTable, Uploads, Visibility,
@@ -15,6 +16,7 @@ use crate::pass::bare::BarePass;
 use crate::pass::bare_light::BareLightPass;
 use crate::pass::light::LightPass;
 use crate::pass::picture::PicturePass;
+use crate::pass::shadow::ShadowPass;
 use crate::scene::{Classification, RayProjection};
 use crate::volume::Volume;
 
@@ -32,9 +34,11 @@ pub(crate) struct Loaded {
     pub(super) prepared: Prepared,
     pub(super) labels: Option<LabelImages>,
     pub(super) light: Option<LightProgress>,
+    pub(super) transport: Option<Transport>,
     pub(super) uploads: Uploads,
     pub(super) picture_pass: PicturePass,
     pub(super) light_pass: LightPass,
+    pub(super) shadow_pass: ShadowPass,
     pub(super) bare_pass: BarePass,
     pub(super) bare_light_pass: BareLightPass,
     pub(super) tile: Option<u32>,
@@ -57,6 +61,7 @@ impl Loaded {
         let lists = LightLists::new(context, NAME, &visibility.light)?;
         let light = light_progress(&store, &settings);
         let uploads = Uploads::all(&residency);
+        let transport = Transport::new(context, NAME, &store.volume, &settings)?;
         let exact_bins =
             table.has_exact_bins(sample_lengths(&settings, store.volume.min_spacing()));
         Ok(Self {
@@ -71,9 +76,11 @@ impl Loaded {
             prepared,
             labels,
             light,
+            transport,
             uploads,
             picture_pass: PicturePass::new(context)?,
             light_pass: LightPass::new(),
+            shadow_pass: ShadowPass::new(),
             bare_pass: BarePass::new(),
             bare_light_pass: BareLightPass::new(),
             tile: None,
@@ -111,7 +118,8 @@ impl Loaded {
             || settings.surfaces != old.surfaces
             || settings.march.projection != old.march.projection
             || settings.march.interpolation != old.march.interpolation
-            || settings.march.classification() != old.march.classification();
+            || settings.march.classification() != old.march.classification()
+            || settings.is_preintegrated() != old.is_preintegrated();
         let lit = settings.ambient_occlusion.is_some();
         let was_lit = old.ambient_occlusion.is_some();
         let relevel = reclassify || settings.storage != old.storage || lit != was_lit;
@@ -147,6 +155,17 @@ impl Loaded {
             .map(|v| LightLists::new(context, NAME, &v.light))
             .transpose()?;
 
+        let transport = match &self.transport {
+            Some(transport) if residency.is_none() && transport.serves(&settings) => None,
+            None if !settings.transports() => None,
+            _ => Some(Transport::new(
+                context,
+                NAME,
+                &self.store.volume,
+                &settings,
+            )?),
+        };
+
         let same_light =
             images.is_none() && residency.is_none() && self.settings.same_light(&settings);
         if let Some(images) = images {
@@ -164,6 +183,9 @@ impl Loaded {
         }
         if let Some(lists) = lists {
             self.lists = lists;
+        }
+        if let Some(transport) = transport {
+            self.transport = transport;
         }
         if let Some(prepared) = prepared {
             self.prepared = prepared;
@@ -189,6 +211,7 @@ impl Loaded {
         self.images.forget();
         self.picture_pass.forget();
         self.prepared.forget();
+        self.transport.iter_mut().for_each(Transport::forget);
         self.labels.iter_mut().for_each(LabelImages::forget);
         self.uploads = Uploads::all(&self.residency);
         self.restart_light();

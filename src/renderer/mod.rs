@@ -9,6 +9,7 @@ mod loaded;
 mod prepared;
 mod rays;
 mod settings;
+mod transport;
 
 use std::sync::Arc;
 
@@ -54,6 +55,10 @@ pub(crate) struct Frame<'a> {
     pub(crate) depth: Option<FrameDepth>,
     /// Depth and sample counts are written here.
     pub(crate) aux: Option<&'a Image>,
+    /// What comes through each channel is written here, where extinctions differ.
+    pub(crate) through: Option<&'a Image>,
+    /// Factor on the volume's radiance.
+    pub(crate) exposure: f32,
     /// Seeds the jitter.
     pub(crate) number: u32,
     /// Bytes of bricks to upload at most.
@@ -225,6 +230,7 @@ pub(crate) mod pass_name {
     pub(crate) const PREINTEGRATE: &str = "preintegrate";
     pub(crate) const LIGHT: &str = "light";
     pub(crate) const LIGHT_SEAM: &str = "light_seam";
+    pub(crate) const SHADOW: &str = "shadow";
     pub(crate) const MARCH: &str = "march";
     pub(crate) const BARE: &str = "bare";
     pub(crate) const BARE_LIGHT: &str = "bare_light";
@@ -244,6 +250,9 @@ pub(crate) fn record(
         .uniforms(bytemuck::bytes_of(&loaded.volume_params()))?;
     if matches!(work, Work::Everything | Work::LightOnly) {
         loaded.record_light(context, recorder, volume, LightWorkload::Trace)?;
+    }
+    if matches!(work, Work::Everything | Work::LightOnly | Work::PictureOnly) {
+        loaded.record_transport(context, recorder, volume)?;
     }
     if matches!(work, Work::Everything | Work::PictureOnly) {
         loaded.record_picture(context, recorder, volume, frame)?;

@@ -106,6 +106,36 @@ pub static PREINTEGRATE: Module = Module {
     words: include_spirv!("preintegrate.spv"),
 };
 
+/// `spirv/shadow_sweep.spv`.
+pub static SHADOW_SWEEP: Module = Module {
+    name: "shadow_sweep",
+    words: include_spirv!("shadow_sweep.spv"),
+};
+
+/// `spirv/transport.spv`.
+pub static TRANSPORT: Module = Module {
+    name: "transport",
+    words: include_spirv!("transport.spv"),
+};
+
+/// `spirv/transport_blend_rgba16f.spv`.
+pub static TRANSPORT_BLEND_RGBA16F: Module = Module {
+    name: "transport_blend_rgba16f",
+    words: include_spirv!("transport_blend_rgba16f.spv"),
+};
+
+/// `spirv/transport_blend_rgba32f.spv`.
+pub static TRANSPORT_BLEND_RGBA32F: Module = Module {
+    name: "transport_blend_rgba32f",
+    words: include_spirv!("transport_blend_rgba32f.spv"),
+};
+
+/// `spirv/transport_blend_rgba8.spv`.
+pub static TRANSPORT_BLEND_RGBA8: Module = Module {
+    name: "transport_blend_rgba8",
+    words: include_spirv!("transport_blend_rgba8.spv"),
+};
+
 /// Every module, by name.
 #[rustfmt::skip]
 pub static MODULES: &[&Module] = &[
@@ -126,6 +156,11 @@ pub static MODULES: &[&Module] = &[
     &MARCH_BLEND_RGBA32F,
     &MARCH_BLEND_RGBA8,
     &PREINTEGRATE,
+    &SHADOW_SWEEP,
+    &TRANSPORT,
+    &TRANSPORT_BLEND_RGBA16F,
+    &TRANSPORT_BLEND_RGBA32F,
+    &TRANSPORT_BLEND_RGBA8,
 ];
 
 pub const BINDING_VOLUME: u32 = 0;
@@ -174,6 +209,20 @@ pub const BINDING_LABELS: u32 = 21;
 
 pub const BINDING_LABEL_TABLE: u32 = 22;
 
+pub const BINDING_MEDIUM: u32 = 23;
+
+pub const BINDING_SHADOW: u32 = 24;
+
+pub const BINDING_SHADOW_STORE: u32 = 25;
+
+pub const BINDING_SCATTERED: u32 = 26;
+
+pub const BINDING_ENVIRONMENT: u32 = 27;
+
+pub const BINDING_PHASE: u32 = 28;
+
+pub const BINDING_THROUGH: u32 = 29;
+
 pub const SPEC_INTERPOLATION: u32 = 0;
 
 pub const SPEC_BLOCKS_APART: u32 = 1;
@@ -210,4 +259,20 @@ pub const SPEC_PROJECTION: u32 = 16;
 
 pub const SPEC_LABELS: u32 = 17;
 
-pub const SPEC_COUNT: u32 = 18;
+pub const SPEC_MODEL: u32 = 18;
+
+pub const SPEC_PHASE: u32 = 19;
+
+pub const SPEC_GLOWS: u32 = 20;
+
+pub const SPEC_SHADOWS: u32 = 21;
+
+pub const SPEC_REFLECTANCE: u32 = 22;
+
+pub const SPEC_ENVIRONMENT: u32 = 23;
+
+pub const SPEC_CHROMATIC: u32 = 24;
+
+pub const SPEC_SCATTERED: u32 = 25;
+
+pub const SPEC_COUNT: u32 = 26;

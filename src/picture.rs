@@ -20,6 +20,8 @@ pub struct Picture {
     /// Share of the light from behind that comes through, by channel, where that differs by channel; else it is one minus the
     /// opacity.
     pub through: Option<Vec<[f32; 3]>>,
+    /// Variance of every pixel's radiance, of pictures traced by Monte Carlo: that of the mean over its paths.
+    pub variance: Option<Vec<[f32; 3]>>,
     /// Field samples that each ray took.
     pub samples: Vec<u32>,
 }

@@ -39,13 +39,18 @@ bool is_outside(uvec2 px) {
     return any(greaterThanEqual(px, push.tile_end_px));
 }
 
-// The ray of a pixel, up to the host's geometry.
-Ray frame_ray(uvec2 px) {
-    Ray ray = ray_through(vec2(px) + 0.5, frame, volume.field_ix);
+// The ray through a place within a pixel, up to the host's geometry.
+Ray frame_ray_through(uvec2 px, vec2 within) {
+    Ray ray = ray_through(vec2(px) + within, frame, volume.field_ix);
     if (SCENE_DEPTH) {
         ray.extent = min(ray.extent, steps_to_scene(ivec2(px), ray));
     }
     return ray;
+}
+
+// The ray through the middle of a pixel.
+Ray frame_ray(uvec2 px) {
+    return frame_ray_through(px, vec2(0.5));
 }
 
 // Share of a step that the first segment is shortened by.

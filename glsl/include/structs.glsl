@@ -118,6 +118,7 @@ struct MediumParams {
     float unit_exponent;    // the same length in unit distances
     vec4 phase;             // parameters of the phase function (phase.glsl)
     vec4 surface;           // strength per unit of a texture sample (signed), weight of highlights, exponent, roughness
+    vec4 tracking;          // largest extinction per mm, least majorant per mm, scatterings of a path at most
     vec4 environment;       // radiance, or factor on the map; w > 0: drawn behind the volume
     vec4 environment_x;     // rows: the map's axes in world space; z towards its upper edge
     vec4 environment_y;

@@ -45,6 +45,8 @@ pub(crate) struct MediumImages {
     pub(crate) environment: Image,
     /// The phase function: cosines of equal probability (row 0), values at equal steps of the cosine (row 1).
     pub(crate) phase: Image,
+    /// Largest extinction of each skip cell; one texel without.
+    pub(crate) majorant: Image,
     pub(crate) linear: Sampler,
     pub(crate) nearest: Sampler,
     stale: bool,
@@ -58,6 +60,16 @@ pub(crate) struct MediumExtents {
     pub(crate) scattered: Option<LightGrid>,
     /// Size of the map.
     pub(crate) environment: Option<[u32; 2]>,
+    /// Skip cells, where majorants are wanted.
+    pub(crate) majorant: Option<[u32; 3]>,
+}
+
+/// What [`MediumImages`] are uploaded from.
+pub(crate) struct MediumTexels<'a> {
+    pub(crate) environment: Option<&'a EnvironmentMap>,
+    pub(crate) phase: &'a PhaseFunction,
+    /// By skip cell; empty without.
+    pub(crate) majorants: &'a [f32],
 }
 
 impl MediumImages {
@@ -109,6 +121,11 @@ impl MediumImages {
             shadow: volume("shadow", shadow, vk::Format::R32_SFLOAT)?,
             scattered: volume("scattered", scattered, vk::Format::R16G16B16A16_SFLOAT)?,
             environment: flat("environment", extents.environment.unwrap_or([1; 2]))?,
+            majorant: volume(
+                "majorant",
+                extents.majorant.unwrap_or([1; 3]),
+                vk::Format::R32_SFLOAT,
+            )?,
             phase: flat("phase", [PHASE_COLUMNS, 2])?,
             linear: Sampler::new(context, &format!("{name}.medium.linear"), Filter::Linear)?,
             nearest: Sampler::new(context, &format!("{name}.medium.nearest"), Filter::Nearest)?,
@@ -123,6 +140,7 @@ impl MediumImages {
             &self.scattered,
             &self.environment,
             &self.phase,
+            &self.majorant,
         ] {
             image.forget();
         }
@@ -134,8 +152,7 @@ impl MediumImages {
         &mut self,
         context: &Arc<Context>,
         recorder: &mut Recorder<'_>,
-        environment: Option<&EnvironmentMap>,
-        phase: &PhaseFunction,
+        texels: &MediumTexels<'_>,
     ) -> Result<()> {
         if !std::mem::take(&mut self.stale) {
             return Ok(());
@@ -143,14 +160,13 @@ impl MediumImages {
         for image in [&self.shadow, &self.scattered] {
             recorder.clear(image);
         }
-        let mut upload = |name: &str, texels: &[[f32; 4]], to: &Image| -> Result<()> {
-            let bytes = bytemuck::cast_slice(texels);
+        let mut upload = |name: &str, bytes: &[u8], to: &Image| -> Result<()> {
             let from = Buffer::upload(context, name, bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
             recorder.upload(&from, to, &[CopyBox::packed(0, [0; 3], to.extent())]);
             recorder.use_image(to, Access::SampledRead);
             Ok(())
         };
-        let radiance = match environment {
+        let radiance: Vec<[f32; 4]> = match texels.environment {
             Some(map) => map
                 .radiance()
                 .iter()
@@ -158,8 +174,21 @@ impl MediumImages {
                 .collect(),
             None => vec![[0.0; 4]],
         };
-        upload("umbravox.upload.environment", &radiance, &self.environment)?;
-        upload("umbravox.upload.phase", &phase_texels(phase), &self.phase)?;
+        let radiance = bytemuck::cast_slice(&radiance);
+        upload("umbravox.upload.environment", radiance, &self.environment)?;
+        let phase = phase_texels(texels.phase);
+        upload(
+            "umbravox.upload.phase",
+            bytemuck::cast_slice(&phase),
+            &self.phase,
+        )?;
+        let majorants = if texels.majorants.is_empty() {
+            &[0.0]
+        } else {
+            texels.majorants
+        };
+        let majorants = bytemuck::cast_slice(majorants);
+        upload("umbravox.upload.majorant", majorants, &self.majorant)?;
         recorder.flush();
         Ok(())
     }

@@ -6,6 +6,7 @@
 mod images;
 mod labels;
 mod light_work;
+mod majorant;
 mod medium;
 mod preintegration;
 mod residency;
@@ -17,7 +18,8 @@ mod visibility;
 pub(crate) use images::{Images, LIGHT_TEXEL_BYTES, LightLists, TableImages};
 pub(crate) use labels::LabelImages;
 pub(crate) use light_work::{GROUP, LightWork};
-pub(crate) use medium::{LightGrid, MediumExtents, MediumImages};
+pub(crate) use majorant::Majorants;
+pub(crate) use medium::{LightGrid, MediumExtents, MediumImages, MediumTexels};
 pub(crate) use preintegration::{Preintegration, ROWS as INTEGRAL_ROWS};
 pub(crate) use residency::{Residency, Store};
 pub(crate) use shown::Shown;

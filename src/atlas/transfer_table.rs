@@ -190,6 +190,29 @@ impl TransferTable {
         })
     }
 
+    /// Length that opacities refer to, mm.
+    pub(super) fn unit_mm(&self) -> f64 {
+        self.curve.unit_distance
+    }
+
+    /// Largest opacity over the unit distance of each bin.
+    pub(super) fn largest_by_bin(&self) -> Vec<f64> {
+        let bins = self.starts.iter().zip(&self.ends);
+        bins.map(|(start, end)| start.opacity.max(end.opacity))
+            .collect()
+    }
+
+    /// First and last bin that values in a range may fall into, and one more on either side for what the device may be off by.
+    pub(super) fn bins_of(&self, range: [f64; 2]) -> [usize; 2] {
+        let (scale, first) = self.bin_from_sample();
+        let mut x = range.map(|v| (self.samples.sample(v) - first) * scale);
+        x.sort_by(f64::total_cmp);
+        let last = self.bins() - 1;
+        // `as` saturates below at 0.
+        let bin = |x: f64| (x as usize).min(last);
+        [bin(x[0]), bin(x[1] + 2.0)]
+    }
+
     fn at(&self, bin: usize, fraction: f64) -> bool {
         let (a, b) = (&self.starts[bin], &self.ends[bin]);
         (fraction < 1.0 && shows(a)) || (fraction > 0.0 && shows(b))

@@ -2,6 +2,7 @@
 
 mod frame_time;
 mod light_volume;
+mod limits;
 mod probe;
 mod provenance;
 mod stats;
@@ -35,6 +36,8 @@ pub use stats::{
 const UPLOAD_BYTES: usize = 64 << 20;
 /// Bytes of an image read back by one submission.
 const READ_BACK_BYTES: u64 = 64 << 20;
+/// Paths of a pixel before its noise says something.
+const LEAST_PATHS: u32 = 16;
 /// Linear radiance and opacity.
 const PICTURE_FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 const PICTURE_TEXEL_BYTES: u64 = 16;
@@ -260,13 +263,14 @@ impl Session {
         self.renderer.settings()
     }
 
-    /// One picture with the light as far as it has come, read back. Its number, for the jitter, is the number of directions
-    /// traced.
+    /// One picture with the light as far as it has come, read back; of Monte Carlo with all its paths. Its number, for the
+    /// jitter, is the number of directions traced.
     ///
     /// # Errors
     /// [`Error::DeviceLost`], [`Error::Vulkan`], [`Error::OutOfMemory`].
     pub fn frame(&mut self) -> Result<Picture> {
-        self.timed_frame()?;
+        while self.refine_paths()? {}
+        self.timed_frame_unless_traced()?;
         let rgba = texels(&self.read_back(&self.target, PICTURE_TEXEL_BYTES)?);
         let aux: Vec<[f32; 4]> = texels(&self.read_back(&self.aux, PICTURE_TEXEL_BYTES)?);
         let through = self
@@ -280,6 +284,7 @@ impl Session {
                     .map(|[r, g, b, _]| [r, g, b])
                     .collect()
             });
+        let variance = self.moments()?.map(|(_, variance)| variance);
         let samples: Vec<u32> = aux.iter().map(|a| a[1] as u32).collect();
         self.samples = Some(samples.iter().map(|&n| u64::from(n)).sum());
         Ok(Picture {
@@ -290,8 +295,85 @@ impl Session {
             measure: aux.iter().map(|a| a[3]).collect(),
             measured: measured(self.settings()),
             through,
+            variance,
             samples,
         })
+    }
+
+    /// Traces one more path from every pixel. True while paths are left, and the noise is above what the scene allows.
+    ///
+    /// # Errors
+    /// As [`Session::frame`].
+    pub fn refine_paths(&mut self) -> Result<bool> {
+        let (traced, paths) = self.path_progress();
+        if traced >= paths {
+            return Ok(false);
+        }
+        self.timed_frame()?;
+        let traced = traced + 1;
+        let noise = self.settings().lighting.scattering.noise;
+        // Looked at when the number of paths has doubled: reading back costs as much as some paths.
+        if noise > 0.0 && traced >= LEAST_PATHS && traced.is_power_of_two() {
+            let (error, mean) = self.noise()?;
+            return Ok(traced < paths && error > noise * mean);
+        }
+        Ok(traced < paths)
+    }
+
+    /// Paths of every pixel of this view so far, and those that the scene asks for; 0 where none are traced.
+    pub fn path_progress(&self) -> (u32, u32) {
+        self.renderer
+            .loaded()
+            .path_progress_of(&self.view_rays(), self.size())
+    }
+
+    fn view_rays(&self) -> RayBasis {
+        RayBasis::from_view(&self.view, self.size())
+    }
+
+    /// Root mean square standard error of the pixels' means, and the mean of the picture, over all channels.
+    fn noise(&mut self) -> Result<(f64, f64)> {
+        let Some((mean, variance)) = self.moments()? else {
+            return Ok((0.0, 0.0));
+        };
+        let count = 3.0 * mean.len() as f64;
+        let sum = |values: &[[f32; 3]]| {
+            values
+                .as_flattened()
+                .iter()
+                .copied()
+                .map(f64::from)
+                .sum::<f64>()
+        };
+        Ok(((sum(&variance) / count).sqrt(), sum(&mean) / count))
+    }
+
+    /// Mean radiance of every pixel's paths, and the variance of that mean.
+    fn moments(&mut self) -> Result<Option<(Vec<[f32; 3]>, Vec<[f32; 3]>)>> {
+        let Some(paths) = self.renderer.loaded().paths() else {
+            return Ok(None);
+        };
+        let n = f64::from(paths.traced().max(1));
+        let sums = texels(&self.read_back(&paths.sum, PICTURE_TEXEL_BYTES)?);
+        let squares = texels(&self.read_back(&paths.square, PICTURE_TEXEL_BYTES)?);
+        let mean = |s: [f32; 4]| std::array::from_fn(|c| (f64::from(s[c]) / n) as f32);
+        let variance = |(s, q): (&[f32; 4], &[f32; 4])| {
+            std::array::from_fn(|c| {
+                let mean = f64::from(s[c]) / n;
+                let spread = (f64::from(q[c]) / n - mean * mean).max(0.0);
+                (spread / (n - 1.0).max(1.0)) as f32
+            })
+        };
+        let variances = sums.iter().zip(&squares).map(variance).collect();
+        Ok(Some((sums.into_iter().map(mean).collect(), variances)))
+    }
+
+    /// Nothing is left to draw where paths have drawn it.
+    fn timed_frame_unless_traced(&mut self) -> Result<()> {
+        if self.path_progress().0 == 0 {
+            self.timed_frame()?;
+        }
+        Ok(())
     }
 
     /// One picture without read-back.
@@ -338,68 +420,6 @@ impl Session {
             taken,
             allocated,
         ))
-    }
-
-    /// The device's limit: marches the same rays, but only samples one texture of the volume's format and size and looks the
-    /// transfer function up; as many samples as a picture takes without skipping and early termination. The picture
-    /// is lost.
-    ///
-    /// # Errors
-    /// As [`Session::frame`].
-    pub fn timed_bare_march(&mut self) -> Result<FrameTime> {
-        self.timed(Work::Bare)
-    }
-
-    /// The limit of a direction of light: for every sample of the light volume as many samples of the field as a ray has at the
-    /// finest level, each one texture read and one look-up of the transfer function. `None` when ambient occlusion is off. The
-    /// light starts again.
-    ///
-    /// # Errors
-    /// As [`Session::frame`].
-    pub fn timed_bare_light(&mut self) -> Result<Option<FrameTime>> {
-        if self.light_rays() == 0 {
-            return Ok(None);
-        }
-        self.restart_light();
-        let time = self.timed(Work::BareLight)?;
-        self.restart_light();
-        Ok(Some(time))
-    }
-
-    /// Samples of the field that all directions of light take together. `None` when ambient occlusion is off, where levels of
-    /// detail mix, and where a voxel's share may exceed what the light volume's half floats count, 2048. The light starts again.
-    ///
-    /// # Errors
-    /// As [`Session::frame`].
-    pub fn count_light_samples(&mut self) -> Result<Option<u64>> {
-        let rays = self.light_rays();
-        let most = match &self.settings().ambient_occlusion {
-            Some(ao) => rays * ao.samples_per_ray(),
-            None => return Ok(None),
-        };
-        if most > 2048 || !self.renderer.loaded().residency().layout.is_grid() {
-            return Ok(None);
-        }
-        self.restart_light();
-        for _ in 0..rays {
-            self.submit(Work::CountLight)?;
-        }
-        let atlas = self.read_back(&self.renderer.loaded().images().light, 8)?;
-        let counted = light_volume::unpack(self.renderer.loaded(), bytemuck::cast_slice(&atlas))?;
-        self.restart_light();
-        let bias = self.renderer.loaded().light_bias();
-        let voxels = counted.rgba.iter().filter(|voxel| voxel[3] > 0.0);
-        Ok(Some(voxels.map(|v| (v[0] - bias).round() as u64).sum()))
-    }
-
-    fn restart_light(&mut self) {
-        self.renderer.restart_light();
-        self.times.restart_light();
-    }
-
-    /// Times on the device as in [`Stats::passes`]; reads nothing back.
-    pub fn passes(&self) -> Vec<PassStats> {
-        self.times.passes()
     }
 
     fn timed(&mut self, work: Work) -> Result<FrameTime> {

@@ -118,8 +118,17 @@ fn channels(picture: &Picture, backdrop: &Backdrop) -> AnyChannels<FlatSamples> 
             picture.measure.clone(),
         ),
     ];
+    let variance = |axis: usize| {
+        let variance = picture.variance.as_ref();
+        variance.map(|v| v.iter().map(|c| c[axis]).collect::<Vec<f32>>())
+    };
+    let variances = [("variance.R", 0), ("variance.G", 1), ("variance.B", 2)];
+    let variances = variances
+        .into_iter()
+        .filter_map(|(name, axis)| Some((name, variance(axis)?)));
     let channels = list
         .into_iter()
+        .chain(variances)
         .map(|(name, values)| AnyChannel::new(name, FlatSamples::F32(values)));
     AnyChannels::sort(channels.collect())
 }

@@ -16,7 +16,7 @@ use super::{Reconstruction, Variants, sampled, tile_groups, tiles, use_field, us
 use crate::atlas::{Images, LabelImages, MediumImages, TableImages};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Image, ImageInfo, Recorder, Sampler, Uniforms};
-use crate::scene::{Classification, Gradient, OpticalModel, RayProjection, Reflectance};
+use crate::scene::{Classification, Gradient, Majorant, OpticalModel, RayProjection, Reflectance};
 use crate::shader::PassInterface;
 use crate::shader::generated::*;
 use crate::shader::interface::{self, PicturePasses};
@@ -49,10 +49,12 @@ pub(crate) struct TransportVariant {
     pub(crate) chromatic: bool,
     /// There is a volume of scattered light.
     pub(crate) scattered: bool,
+    /// Paths are traced instead, by these majorants.
+    pub(crate) paths: Option<Majorant>,
 }
 
 impl TransportVariant {
-    fn constants(self) -> [(u32, u32); 8] {
+    fn constants(self) -> [(u32, u32); 9] {
         let model = match self.model {
             OpticalModel::Absorption => 0,
             OpticalModel::Emission => 1,
@@ -82,6 +84,10 @@ impl TransportVariant {
             (SPEC_ENVIRONMENT, self.environment),
             (SPEC_CHROMATIC, self.chromatic.into()),
             (SPEC_SCATTERED, self.scattered.into()),
+            (
+                SPEC_GLOBAL_MAJORANT,
+                (self.paths == Some(Majorant::Global)).into(),
+            ),
         ]
     }
 }
@@ -109,6 +115,7 @@ pub(crate) struct PictureVariant {
 impl PictureVariant {
     fn interface(self) -> &'static PassInterface {
         let passes: &PicturePasses = match self.projection {
+            _ if self.transport.is_some_and(|t| t.paths.is_some()) => &interface::PATHTRACE,
             _ if self.transport.is_some() => &interface::TRANSPORT,
             RayProjection::Composite | RayProjection::Xray => &interface::MARCH,
             RayProjection::Maximum | RayProjection::Minimum | RayProjection::Mean => {
@@ -186,6 +193,8 @@ pub(crate) struct PictureResources<'a> {
     pub(crate) surfaces: Option<Uniforms>,
     /// Of optical models beyond emission and absorption.
     pub(crate) medium: Option<(&'a MediumImages, Uniforms)>,
+    /// Sums over paths: radiance, its square, what came through.
+    pub(crate) paths: Option<[&'a Image; 3]>,
     /// What comes through each channel.
     pub(crate) through: Option<&'a Image>,
     /// The target, in `GENERAL`.
@@ -197,8 +206,9 @@ pub(crate) struct PictureResources<'a> {
 }
 
 /// What the march of a medium reads of it.
-fn use_medium<'a>(recorder: &mut Recorder<'_>, images: &'a MediumImages) -> [(u32, Bound<'a>); 4] {
+fn use_medium<'a>(recorder: &mut Recorder<'_>, images: &'a MediumImages) -> [(u32, Bound<'a>); 5] {
     [
+        (BINDING_MAJORANT, &images.majorant, &images.nearest),
         (BINDING_SHADOW, &images.shadow, &images.linear),
         (BINDING_SCATTERED, &images.scattered, &images.linear),
         (BINDING_ENVIRONMENT, &images.environment, &images.nearest),
@@ -291,6 +301,7 @@ impl PicturePass {
             frame,
             surfaces,
             medium,
+            paths,
             through,
             target,
             scene_depth,
@@ -342,6 +353,15 @@ impl PicturePass {
             bound.push((BINDING_THROUGH, Bound::StorageImage(through)));
             bound.push((BINDING_MEDIUM, Bound::Uniform(params)));
             bound.extend(use_medium(recorder, medium_images));
+        }
+        let bindings = [
+            BINDING_PATHS_SUM,
+            BINDING_PATHS_SQUARE,
+            BINDING_PATHS_THROUGH,
+        ];
+        for (binding, image) in bindings.into_iter().zip(paths.into_iter().flatten()) {
+            recorder.use_image(image, Access::Storage);
+            bound.push((binding, Bound::StorageImage(image)));
         }
         // Each kind of picture takes its own selection.
         recorder.bind(pipeline, &bound)?;

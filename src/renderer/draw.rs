@@ -8,7 +8,7 @@ use super::light::LightProgress;
 use super::loaded::{Loaded, sample_lengths};
 use super::settings::Settings;
 use super::transport::Transport;
-use super::{Frame, FrameReport, pass_name};
+use super::{Frame, FrameReport, Paths, pass_name};
 use crate::atlas::UploadResources;
 use crate::error::Result;
 use crate::gpu::{Context, Recorder, Uniforms};
@@ -22,6 +22,9 @@ use crate::shader::structs::{FrameParams, SurfaceParams, VolumeParams};
 
 /// Samples that one dispatch of the march takes at most: a quarter of a second at 0.5 billion a second.
 const SAMPLES_A_DISPATCH: f64 = 1.3e8;
+
+/// Edge of the tiles that paths are traced in: nobody knows how long they become.
+const PATHS_TILE: u32 = 128;
 
 /// What a direction is traced for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -210,18 +213,12 @@ impl Loaded {
             images,
             labels,
             shadow_pass,
-            settings,
             ..
         } = self;
         let Some(transport) = transport else {
             return Ok(());
         };
-        transport.images.record(
-            context,
-            recorder,
-            settings.environment.as_deref(),
-            &settings.lighting.phase,
-        )?;
+        transport.record_images(context, recorder)?;
         if !complete {
             return Ok(());
         }
@@ -262,7 +259,10 @@ impl Loaded {
         frame: &Frame<'_>,
     ) -> Result<()> {
         let target = frame.target;
-        let params = self.frame_params(frame);
+        let mut params = self.frame_params(frame);
+        if self.settings.traces_paths() {
+            params.frame = self.next_path(context, frame)?;
+        }
         let frame_uniforms = recorder.slot().uniforms(bytemuck::bytes_of(&params))?;
         let surfaces = match self.settings.march.projection {
             RayProjection::Isosurface => {
@@ -289,13 +289,17 @@ impl Loaded {
             encode_srgb: target.encode_srgb,
             blend: target.blend.then_some(target.format),
         };
-        let tile = self.tile.unwrap_or_else(|| self.default_tile());
+        let mut tile = self.tile.unwrap_or_else(|| self.default_tile());
+        if self.settings.traces_paths() {
+            tile = tile.min(PATHS_TILE);
+        }
         let Self {
             images,
             labels,
             picture_pass,
             prepared,
             transport,
+            paths,
             ..
         } = self;
         recorder.pass(pass_name::MARCH, |recorder| {
@@ -308,6 +312,7 @@ impl Loaded {
                 frame: frame_uniforms,
                 surfaces,
                 medium: transport.as_ref().map(|t| &t.images).zip(medium),
+                paths: paths.as_ref().map(|p| [&p.sum, &p.square, &p.through]),
                 through: frame.through,
                 target: target.view,
                 scene_depth: frame.depth.map(|d| (d.view, d.layout)),
@@ -315,6 +320,16 @@ impl Loaded {
             };
             picture_pass.record(context, recorder, variant, &resources, target.size_px, tile)
         })
+    }
+
+    /// Number of the path that this frame adds to every pixel; 0 for rays that the sums are not of.
+    fn next_path(&mut self, context: &Arc<Context>, frame: &Frame<'_>) -> Result<u32> {
+        let size_px = frame.target.size_px;
+        let paths = match self.paths.take() {
+            Some(paths) if paths.are_of(&frame.rays, size_px) => paths,
+            _ => Paths::new(context, "umbravox", frame.rays, size_px)?,
+        };
+        Ok(self.paths.insert(paths).next())
     }
 
     pub(super) fn record_bare(

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
+use super::RayBasis;
 use super::light::LightProgress;
+use super::paths::Paths;
 use super::prepared::Prepared;
 use super::settings::Settings;
 use super::transport::Transport;
@@ -35,6 +37,7 @@ pub(crate) struct Loaded {
     pub(super) labels: Option<LabelImages>,
     pub(super) light: Option<LightProgress>,
     pub(super) transport: Option<Transport>,
+    pub(super) paths: Option<Paths>,
     pub(super) uploads: Uploads,
     pub(super) picture_pass: PicturePass,
     pub(super) light_pass: LightPass,
@@ -61,7 +64,7 @@ impl Loaded {
         let lists = LightLists::new(context, NAME, &visibility.light)?;
         let light = light_progress(&store, &settings);
         let uploads = Uploads::all(&residency);
-        let transport = Transport::new(context, NAME, &store.volume, &settings)?;
+        let transport = Transport::new(context, NAME, &store, &residency, &table, &settings)?;
         let exact_bins =
             table.has_exact_bins(sample_lengths(&settings, store.volume.min_spacing()));
         Ok(Self {
@@ -77,6 +80,7 @@ impl Loaded {
             labels,
             light,
             transport,
+            paths: None,
             uploads,
             picture_pass: PicturePass::new(context)?,
             light_pass: LightPass::new(),
@@ -161,7 +165,9 @@ impl Loaded {
             _ => Some(Transport::new(
                 context,
                 NAME,
-                &self.store.volume,
+                &self.store,
+                current,
+                &table,
                 &settings,
             )?),
         };
@@ -186,6 +192,7 @@ impl Loaded {
         }
         if let Some(transport) = transport {
             self.transport = transport;
+            self.paths = None;
         }
         if let Some(prepared) = prepared {
             self.prepared = prepared;
@@ -212,6 +219,7 @@ impl Loaded {
         self.picture_pass.forget();
         self.prepared.forget();
         self.transport.iter_mut().for_each(Transport::forget);
+        self.paths.iter_mut().for_each(Paths::forget);
         self.labels.iter_mut().for_each(LabelImages::forget);
         self.uploads = Uploads::all(&self.residency);
         self.restart_light();
@@ -226,6 +234,27 @@ impl Loaded {
         self.light
             .as_ref()
             .map_or((0, 0), |l| (l.traced(), l.rays()))
+    }
+
+    /// Paths of every pixel of the last view, and those that the scene asks for; 0 where none are traced.
+    pub(crate) fn path_progress(&self) -> (u32, u32) {
+        if !self.settings.traces_paths() {
+            return (0, 0);
+        }
+        let traced = self.paths.as_ref().map_or(0, Paths::traced);
+        (traced, self.settings.lighting.scattering.samples)
+    }
+
+    /// The same, for rays that need not be those of the last view.
+    pub(crate) fn path_progress_of(&self, rays: &RayBasis, size_px: [u32; 2]) -> (u32, u32) {
+        let (_, asked) = self.path_progress();
+        let paths = self.paths.as_ref().filter(|p| p.are_of(rays, size_px));
+        (paths.map_or(0, Paths::traced), asked)
+    }
+
+    /// The sums of the paths, where some were traced.
+    pub(crate) fn paths(&self) -> Option<&Paths> {
+        self.paths.as_ref()
     }
 
     /// True when every brick is on the device.

@@ -6,6 +6,7 @@
 mod draw;
 mod light;
 mod loaded;
+mod paths;
 mod prepared;
 mod rays;
 mod settings;
@@ -21,6 +22,7 @@ use crate::volume::Volume;
 use draw::LightWorkload;
 
 pub(crate) use loaded::Loaded;
+pub(crate) use paths::Paths;
 pub(crate) use rays::{RayBasis, ix_from_clip};
 
 pub use rays::DepthRange;
@@ -97,12 +99,18 @@ pub struct FrameReport {
     pub light_traced: u32,
     /// Directions of the complete light volume; 0: ambient occlusion is off.
     pub light_rays: u32,
+    /// Paths of every pixel of this view once the frame completes; 0: none are traced.
+    pub paths_traced: u32,
+    /// Paths that the scene asks for; later frames go on refining.
+    pub paths: u32,
 }
 
 impl FrameReport {
     /// True when later frames of the same scene would look the same (but for jitter).
     pub fn is_complete(&self) -> bool {
-        self.bricks_missing == 0 && self.light_traced == self.light_rays
+        self.bricks_missing == 0
+            && self.light_traced == self.light_rays
+            && self.paths_traced >= self.paths
     }
 }
 
@@ -267,5 +275,6 @@ pub(crate) fn record(
         loaded.record_bare(context, recorder, volume, frame)?;
     }
     (report.light_traced, report.light_rays) = loaded.light_progress();
+    (report.paths_traced, report.paths) = loaded.path_progress();
     Ok(report)
 }

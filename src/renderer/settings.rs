@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::error::{Error, Result};
 use crate::scene::{
     AmbientOcclusion, Classification, Curve, EnvironmentMap, Labels, Lighting, March, OpticalModel,
-    RayProjection, Scene, Shading, Storage, Surface, check_together,
+    RayProjection, ScatteringMethod, Scene, Shading, Storage, Surface, check_together,
 };
 use crate::volume::Volume;
 
@@ -79,6 +79,12 @@ impl Settings {
         self.lighting.model != OpticalModel::EmissionAbsorption
             || self.curve.glows()
             || self.lighting.extinction != [1.0; 3]
+    }
+
+    /// True when pictures are traced by Monte Carlo.
+    pub(super) fn traces_paths(&self) -> bool {
+        self.lighting.model == OpticalModel::MultipleScattering
+            && self.lighting.scattering.method == ScatteringMethod::MonteCarlo
     }
 
     /// What the march of a medium cannot do. Models other than the default one were checked with the rest of the scene.

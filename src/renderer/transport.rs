@@ -7,9 +7,12 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 
 use super::settings::Settings;
-use crate::atlas::{LightGrid, MediumExtents, MediumImages};
+use crate::atlas::{
+    LightGrid, Majorants, MediumExtents, MediumImages, MediumTexels, Residency, Store,
+    TransferTable,
+};
 use crate::error::Result;
-use crate::gpu::Context;
+use crate::gpu::{Context, Recorder};
 use crate::pass::picture::{Shadowing, TransportVariant};
 use crate::pass::shadow::Sweep;
 use crate::scene::{Light, OpticalModel, PhaseFunction, ShadowMethod};
@@ -22,6 +25,8 @@ pub(super) struct Transport {
     shadow: Option<LightGrid>,
     /// Sweeps that the shadow volume still lacks.
     pub(super) sweeps: Vec<Sweep>,
+    /// Of null-collision tracking.
+    majorants: Option<Majorants>,
     settings: Settings,
     volume: Arc<Volume>,
 }
@@ -31,13 +36,22 @@ impl Transport {
     pub(super) fn new(
         context: &Arc<Context>,
         name: &str,
-        volume: &Arc<Volume>,
+        store: &Store,
+        residency: &Residency,
+        table: &TransferTable,
         settings: &Settings,
     ) -> Result<Option<Self>> {
         if !settings.transports() {
             return Ok(None);
         }
+        let volume = &store.volume;
+        let traced = settings.traces_paths();
+        let majorants = traced.then(|| {
+            let sample_mm = settings.march.step * volume.min_spacing();
+            Majorants::new(residency, settings.march.interpolation, table, sample_mm)
+        });
         let shadow = (shadowing(settings) == Shadowing::Swept
+            && !traced
             && !settings.lighting.lights.is_empty())
         .then(|| {
             let spacing = settings.lighting.shadows.spacing * volume.min_spacing();
@@ -50,6 +64,7 @@ impl Transport {
             &MediumExtents {
                 shadow: shadow.map(|grid| (grid, lights)),
                 scattered: None,
+                majorant: traced.then(|| residency.cells.counts()),
                 environment: settings.environment.as_ref().map(|map| map.size()),
             },
         )?;
@@ -57,6 +72,7 @@ impl Transport {
             images,
             shadow,
             sweeps: Vec::new(),
+            majorants,
             settings: settings.clone(),
             volume: volume.clone(),
         };
@@ -97,6 +113,20 @@ impl Transport {
         self.shadow
     }
 
+    /// Uploads what the images lack.
+    pub(super) fn record_images(
+        &mut self,
+        context: &Arc<Context>,
+        recorder: &mut Recorder<'_>,
+    ) -> Result<()> {
+        let texels = MediumTexels {
+            environment: self.settings.environment.as_deref(),
+            phase: &self.settings.lighting.phase,
+            majorants: self.majorants.as_ref().map_or(&[], |m| &m.cells),
+        };
+        self.images.record(context, recorder, &texels)
+    }
+
     /// What specializes the march.
     pub(super) fn variant(&self) -> TransportVariant {
         let lighting = &self.settings.lighting;
@@ -112,6 +142,7 @@ impl Transport {
             environment: environment_kind(&self.settings),
             chromatic: is_chromatic(&self.settings),
             scattered: false,
+            paths: (self.settings.traces_paths()).then_some(lighting.scattering.majorant),
         }
     }
 
@@ -152,6 +183,12 @@ impl Transport {
             None => ([0.0; 3], [0.0, 0.0, 1.0], false),
         };
         let [x, y, z] = environment_axes(up);
+        // Light without opacity is gathered at tentative collisions: some must happen where nothing is opaque.
+        let least_majorant = if curve.glows() {
+            (0.25 / self.volume.min_spacing()) as f32
+        } else {
+            0.0
+        };
         let shadow = self.shadow.map_or([1; 3], |grid| grid.points);
         MediumParams {
             extinction: three(lighting.extinction),
@@ -160,6 +197,14 @@ impl Transport {
             unit_exponent: (sample_mm / curve.unit_distance) as f32,
             phase: phase_parameters(&lighting.phase),
             surface: surface.map(|c| c as f32),
+            tracking: [
+                self.majorants
+                    .as_ref()
+                    .map_or(0.0, |m| m.global.max(least_majorant)),
+                least_majorant,
+                lighting.scattering.max_scatterings as f32,
+                0.0,
+            ],
             environment: DVec3::from(factor)
                 .extend(f64::from(u8::from(visible)))
                 .as_vec4()

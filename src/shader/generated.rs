@@ -100,6 +100,30 @@ pub static MARCH_BLEND_RGBA8: Module = Module {
     words: include_spirv!("march_blend_rgba8.spv"),
 };
 
+/// `spirv/pathtrace.spv`.
+pub static PATHTRACE: Module = Module {
+    name: "pathtrace",
+    words: include_spirv!("pathtrace.spv"),
+};
+
+/// `spirv/pathtrace_blend_rgba16f.spv`.
+pub static PATHTRACE_BLEND_RGBA16F: Module = Module {
+    name: "pathtrace_blend_rgba16f",
+    words: include_spirv!("pathtrace_blend_rgba16f.spv"),
+};
+
+/// `spirv/pathtrace_blend_rgba32f.spv`.
+pub static PATHTRACE_BLEND_RGBA32F: Module = Module {
+    name: "pathtrace_blend_rgba32f",
+    words: include_spirv!("pathtrace_blend_rgba32f.spv"),
+};
+
+/// `spirv/pathtrace_blend_rgba8.spv`.
+pub static PATHTRACE_BLEND_RGBA8: Module = Module {
+    name: "pathtrace_blend_rgba8",
+    words: include_spirv!("pathtrace_blend_rgba8.spv"),
+};
+
 /// `spirv/preintegrate.spv`.
 pub static PREINTEGRATE: Module = Module {
     name: "preintegrate",
@@ -155,6 +179,10 @@ pub static MODULES: &[&Module] = &[
     &MARCH_BLEND_RGBA16F,
     &MARCH_BLEND_RGBA32F,
     &MARCH_BLEND_RGBA8,
+    &PATHTRACE,
+    &PATHTRACE_BLEND_RGBA16F,
+    &PATHTRACE_BLEND_RGBA32F,
+    &PATHTRACE_BLEND_RGBA8,
     &PREINTEGRATE,
     &SHADOW_SWEEP,
     &TRANSPORT,
@@ -223,6 +251,14 @@ pub const BINDING_PHASE: u32 = 28;
 
 pub const BINDING_THROUGH: u32 = 29;
 
+pub const BINDING_MAJORANT: u32 = 30;
+
+pub const BINDING_PATHS_SUM: u32 = 31;
+
+pub const BINDING_PATHS_SQUARE: u32 = 32;
+
+pub const BINDING_PATHS_THROUGH: u32 = 33;
+
 pub const SPEC_INTERPOLATION: u32 = 0;
 
 pub const SPEC_BLOCKS_APART: u32 = 1;
@@ -275,4 +311,6 @@ pub const SPEC_CHROMATIC: u32 = 24;
 
 pub const SPEC_SCATTERED: u32 = 25;
 
-pub const SPEC_COUNT: u32 = 26;
+pub const SPEC_GLOBAL_MAJORANT: u32 = 26;
+
+pub const SPEC_COUNT: u32 = 27;

@@ -394,6 +394,63 @@ pub const TRANSPORT: PicturePasses = picture(
     TRANSPORT_SPEC_IDS,
 );
 
+const PATHTRACE_SPEC_IDS: &[u32] = &[
+    SPEC_INTERPOLATION,
+    SPEC_BLOCKS_APART,
+    SPEC_SKIPPING,
+    SPEC_EMISSION,
+    SPEC_JITTER,
+    SPEC_AUX,
+    SPEC_SCENE_DEPTH,
+    SPEC_ENCODE_SRGB,
+    SPEC_MANUAL_FILTER,
+    SPEC_UNIFORM_GRID,
+    SPEC_EXACT_BINS,
+    SPEC_LABELS,
+    SPEC_PHASE,
+    SPEC_GLOWS,
+    SPEC_ENVIRONMENT,
+    SPEC_GLOBAL_MAJORANT,
+];
+
+const fn pathtrace_bindings(target: Access) -> [Binding; 18] {
+    [
+        uniform(BINDING_VOLUME),
+        uniform(BINDING_FRAME),
+        sampled(BINDING_ATLAS),
+        sampled(BINDING_INDEX),
+        sampled(BINDING_SKIP),
+        sampled(BINDING_TRANSFER),
+        sampled(BINDING_SCENE_DEPTH),
+        storage_image(BINDING_TARGET, target),
+        storage_image(BINDING_AUX, Access::Write),
+        sampled(BINDING_LABELS),
+        sampled(BINDING_LABEL_TABLE),
+        uniform(BINDING_MEDIUM),
+        sampled(BINDING_ENVIRONMENT),
+        sampled(BINDING_PHASE),
+        sampled(BINDING_MAJORANT),
+        storage_image(BINDING_PATHS_SUM, Access::ReadWrite),
+        storage_image(BINDING_PATHS_SQUARE, Access::ReadWrite),
+        storage_image(BINDING_PATHS_THROUGH, Access::ReadWrite),
+    ]
+}
+
+/// Multiple scattering by Monte Carlo.
+pub const PATHTRACE: PicturePasses = picture(
+    [
+        &generated::PATHTRACE,
+        &generated::PATHTRACE_BLEND_RGBA8,
+        &generated::PATHTRACE_BLEND_RGBA16F,
+        &generated::PATHTRACE_BLEND_RGBA32F,
+    ],
+    [
+        &pathtrace_bindings(Access::Write),
+        &pathtrace_bindings(Access::ReadWrite),
+    ],
+    PATHTRACE_SPEC_IDS,
+);
+
 /// Of passes that look at the medium without a camera.
 const MEDIUM_SPEC_IDS: &[u32] = &[
     SPEC_INTERPOLATION,
@@ -473,6 +530,10 @@ pub const PASSES: &[PassInterface] = &[
     TRANSPORT.blend_rgba8,
     TRANSPORT.blend_rgba16f,
     TRANSPORT.blend_rgba32f,
+    PATHTRACE.any,
+    PATHTRACE.blend_rgba8,
+    PATHTRACE.blend_rgba16f,
+    PATHTRACE.blend_rgba32f,
     PREINTEGRATE,
     LIGHT_TRACE,
     LIGHT_SEAM,

@@ -222,6 +222,8 @@ gpu_struct! {
         pub phase: [f32; 4],
         /// Strength per unit of a texture sample (signed), weight of highlights, exponent, roughness.
         pub surface: [f32; 4],
+        /// Largest extinction per mm, least majorant per mm, scatterings of a path at most.
+        pub tracking: [f32; 4],
         /// Radiance, or factor on the map; w > 0: drawn behind the volume.
         pub environment: [f32; 4],
         /// The map's axes in world space.

@@ -2,7 +2,7 @@
 
 use crate::figures::{Picture, Run, Spread};
 use crate::goals::{self, Goal};
-use crate::peers::{FIXED_POINT, GPU, OURS, Peers};
+use crate::peers::{FIXED_POINT, GPU, OURS, Peers, Row};
 
 pub(crate) struct Table {
     pub(crate) title: &'static str,
@@ -60,7 +60,7 @@ pub(crate) fn of(run: &Run, peers: Option<&Peers>) -> Vec<Table> {
     if !run.effects.reductions.is_empty() {
         tables.push(reductions(run));
     }
-    tables.extend(peers.map(others));
+    tables.extend(peers.map(|peers| others(run, peers)));
     tables
 }
 
@@ -201,7 +201,18 @@ fn reductions(run: &Run) -> Table {
     }
 }
 
-fn others(peers: &Peers) -> Table {
+/// What a row's samples take at the rate of the bare march, ms; of pictures that take no other samples.
+fn limit_ms(run: &Run, row: &Row) -> Option<f64> {
+    let same = run.pictures.iter().filter(|p| {
+        let case = &p.case;
+        case.field == row.scene && [case.image; 2] == row.image && case.step == row.step
+    });
+    let plain = same.filter(|p| !p.case.shaded && !p.case.preintegrated && !row.shaded);
+    let smallest = plain.min_by_key(|p| p.voxel_bytes)?;
+    Some(smallest.samples as f64 / smallest.limit() * 1e3)
+}
+
+fn others(run: &Run, peers: &Peers) -> Table {
     let cores = peers.cores;
     let rows = peers.rows.iter().map(|row| {
         let time = |renderer| {
@@ -227,6 +238,9 @@ fn others(peers: &Peers) -> Table {
                 if row.shaded { ", shaded" } else { "" }
             ),
             time(OURS),
+            limit_ms(run, row)
+                .map(|ms| format!("{ms:.0}"))
+                .unwrap_or_default(),
             time(GPU),
             format!("{:.2}", row.times_ours(GPU)),
             time(FIXED_POINT),
@@ -239,12 +253,13 @@ fn others(peers: &Peers) -> Table {
         note: format!(
             "VTK {}: its GPU mapper on llvmpipe and its fixed-point mapper, in turn with ours, frame by frame; voxels, transfer \
              function, camera, step and classification are the same. Median milliseconds a frame: processor time over \
-             {cores} cores / wall time. PSNR in dB of ours with either, and of the two with each other.",
+             {cores} cores / wall time. Our limit: what our samples take at the rate of the bare march (wall time of the device). PSNR in dB of ours with either, and of the two with each other.",
             peers.vtk
         ),
         columns: &[
             "scene",
             "ours",
+            "our limit",
             "VTK GPU",
             "of ours",
             "VTK FixedPoint",

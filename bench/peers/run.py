@@ -104,14 +104,19 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, help="what --export wrote")
     parser.add_argument("--program", default="target/release/umbravox", help="our program")
-    parser.add_argument("--scenes", nargs="+", default=["fog", "sparse", "blobs", "aorta"])
+    parser.add_argument("--scenes", nargs="+", default=["fog", "sparse", "blobs", "aorta", "head"])
     parser.add_argument("--steps", nargs="+", type=float, default=[1.0, 0.5])
     parser.add_argument("--shading", nargs="+", choices=["off", "on"], default=["off", "on"])
     parser.add_argument("--rounds", type=int, default=3, help="frames of each renderer, after one that is not counted")
     parser.add_argument("--json", type=Path, help="write every figure here")
     arguments = parser.parse_args()
+    if "DISPLAY" not in os.environ:
+        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     rows = []
     for name in arguments.scenes:
+        if not (arguments.folder / f"{name}.json").exists():
+            print(f"NOT MEASURED: {name}: {arguments.folder} has no such scene", file=sys.stderr)
+            continue
         for shading in arguments.shading:
             for step in arguments.steps:
                 rows.append(measure(arguments, name, step, shading == "on"))

@@ -15,7 +15,7 @@ use crate::error::Result;
 use crate::gpu::{Context, Recorder, Uniforms};
 use crate::pass::Reconstruction;
 use crate::pass::bare::BareResources;
-use crate::pass::light::LightResources;
+use crate::pass::light::{LightResources, TraceVariant};
 use crate::pass::picture::{PictureResources, PictureVariant};
 use crate::pass::scatter::ScatterVariant;
 use crate::pass::shadow::ShadowResources;
@@ -27,6 +27,17 @@ const SAMPLES_A_DISPATCH: f64 = 1.3e8;
 
 /// Edge of the tiles that paths are traced in: nobody knows how long they become.
 const PATHS_TILE: u32 = 128;
+
+/// What a direction is traced for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LightWorkload {
+    /// Light.
+    Trace,
+    /// How many samples of the field it takes.
+    Count,
+    /// The bench's bare light.
+    Bare,
+}
 
 impl Loaded {
     /// For a pass in which what emits does so with `emission`.
@@ -132,6 +143,7 @@ impl Loaded {
         context: &Arc<Context>,
         recorder: &mut Recorder<'_>,
         volume: Uniforms,
+        workload: LightWorkload,
     ) -> Result<()> {
         // Light follows the linear field, whatever the march does; emission only where it is asked for.
         let emission = self
@@ -156,6 +168,7 @@ impl Loaded {
             lists,
             visibility,
             light_pass,
+            bare_light_pass,
             ..
         } = self;
         let resources = LightResources {
@@ -165,10 +178,19 @@ impl Loaded {
             work: &visibility.light,
             volume,
         };
+        if workload == LightWorkload::Bare {
+            return recorder.pass(pass_name::BARE_LIGHT, |recorder| {
+                bare_light_pass.record(context, recorder, reconstruction, &resources, push)
+            });
+        }
+        let variant = TraceVariant {
+            reconstruction,
+            count: workload == LightWorkload::Count,
+        };
         recorder.pass(pass_name::LIGHT, |recorder| {
-            light_pass.trace(context, recorder, reconstruction, &resources, push)
+            light_pass.trace(context, recorder, variant, &resources, push)
         })?;
-        if resources.work.seam.is_empty() {
+        if variant.count || resources.work.seam.is_empty() {
             return Ok(());
         }
         recorder.pass(pass_name::LIGHT_SEAM, |recorder| {

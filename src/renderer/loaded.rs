@@ -15,6 +15,7 @@ use crate::atlas::{
 use crate::error::Result;
 use crate::gpu::Context;
 use crate::pass::bare::BarePass;
+use crate::pass::bare_light::BareLightPass;
 use crate::pass::light::LightPass;
 use crate::pass::picture::PicturePass;
 use crate::pass::scatter::ScatterPass;
@@ -44,6 +45,7 @@ pub(crate) struct Loaded {
     pub(super) shadow_pass: ShadowPass,
     pub(super) scatter_pass: ScatterPass,
     pub(super) bare_pass: BarePass,
+    pub(super) bare_light_pass: BareLightPass,
     pub(super) tile: Option<u32>,
 }
 
@@ -87,6 +89,7 @@ impl Loaded {
             shadow_pass: ShadowPass::new(),
             scatter_pass: ScatterPass::new(),
             bare_pass: BarePass::new(),
+            bare_light_pass: BareLightPass::new(),
             tile: None,
         })
     }
@@ -222,6 +225,10 @@ impl Loaded {
         self.paths.iter_mut().for_each(Paths::forget);
         self.labels.iter_mut().for_each(LabelImages::forget);
         self.uploads = Uploads::all(&self.residency);
+        self.restart_light();
+    }
+
+    pub(super) fn restart_light(&mut self) {
         self.light = light_progress(&self.store, &self.settings);
     }
 

@@ -20,6 +20,7 @@ use ash::vk;
 use crate::error::{Error, Result};
 use crate::gpu::{Context, FrameSlots, Image, PassTime, Recorder};
 use crate::volume::Volume;
+use draw::LightWorkload;
 
 pub(crate) use loaded::Loaded;
 pub(crate) use paths::Paths;
@@ -80,6 +81,10 @@ pub(crate) enum Work {
     PictureOnly,
     /// The bench's bare march instead of the picture.
     Bare,
+    /// The bench's bare light, in the direction that comes next; the light volume is lost.
+    BareLight,
+    /// One direction, of which samples of the field are counted; the light volume is lost.
+    CountLight,
 }
 
 /// What a recorded frame does and what is still missing.
@@ -178,6 +183,11 @@ impl Renderer {
         self.slots.last_started()
     }
 
+    /// Traces the light again from the first direction.
+    pub(crate) fn restart_light(&mut self) {
+        self.loaded.restart_light();
+    }
+
     /// The volume, its residency and its light, for readers.
     pub(crate) fn loaded(&self) -> &Loaded {
         &self.loaded
@@ -233,6 +243,7 @@ pub(crate) mod pass_name {
     pub(crate) const SCATTER: &str = "scatter";
     pub(crate) const MARCH: &str = "march";
     pub(crate) const BARE: &str = "bare";
+    pub(crate) const BARE_LIGHT: &str = "bare_light";
 }
 
 /// Records one frame.
@@ -248,7 +259,7 @@ pub(crate) fn record(
         .slot()
         .uniforms(bytemuck::bytes_of(&loaded.volume_params()))?;
     if matches!(work, Work::Everything | Work::LightOnly) {
-        loaded.record_light(context, recorder, volume)?;
+        loaded.record_light(context, recorder, volume, LightWorkload::Trace)?;
     }
     if matches!(work, Work::Everything | Work::LightOnly | Work::PictureOnly) {
         let iterating = work != Work::PictureOnly;
@@ -256,6 +267,12 @@ pub(crate) fn record(
     }
     if matches!(work, Work::Everything | Work::PictureOnly) {
         loaded.record_picture(context, recorder, volume, frame)?;
+    }
+    if work == Work::BareLight {
+        loaded.record_light(context, recorder, volume, LightWorkload::Bare)?;
+    }
+    if work == Work::CountLight {
+        loaded.record_light(context, recorder, volume, LightWorkload::Count)?;
     }
     if work == Work::Bare {
         loaded.record_bare(context, recorder, volume, frame)?;

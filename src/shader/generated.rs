@@ -10,6 +10,12 @@ pub static BARE: Module = Module {
     words: include_spirv!("bare.spv"),
 };
 
+/// `spirv/bare_light.spv`.
+pub static BARE_LIGHT: Module = Module {
+    name: "bare_light",
+    words: include_spirv!("bare_light.spv"),
+};
+
 /// `spirv/diffuse_gather.spv`.
 pub static DIFFUSE_GATHER: Module = Module {
     name: "diffuse_gather",
@@ -206,6 +212,7 @@ pub static ZONAL: Module = Module {
 #[rustfmt::skip]
 pub static MODULES: &[&Module] = &[
     &BARE,
+    &BARE_LIGHT,
     &DIFFUSE_GATHER,
     &DIFFUSION_RELAX,
     &DIFFUSION_SOURCE,
@@ -384,4 +391,4 @@ pub const SPEC_SCATTERED: u32 = 25;
 
 pub const SPEC_GLOBAL_MAJORANT: u32 = 26;
 
-pub const SPEC_SOLVER: u32 = 27;
+pub const SPEC_COUNT: u32 = 27;

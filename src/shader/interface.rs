@@ -317,6 +317,7 @@ pub const LIGHT_TRACE: PassInterface = PassInterface {
         SPEC_UNIFORM_GRID,
         SPEC_EXACT_BINS,
         SPEC_LABELS,
+        SPEC_COUNT,
     ],
     local_size: [4, 4, 4],
 };
@@ -730,6 +731,22 @@ pub const BARE: PassInterface = PassInterface {
     local_size: [8, 8, 1],
 };
 
+/// The bench's bare light.
+pub const BARE_LIGHT: PassInterface = PassInterface {
+    module: &generated::BARE_LIGHT,
+    bindings: &[
+        uniform(BINDING_VOLUME),
+        sampled(BINDING_TRANSFER),
+        storage_read(BINDING_BRICKS),
+        storage_read(BINDING_WORK),
+        storage_image(BINDING_LIGHT_STORE, Access::Write),
+        sampled(BINDING_VOXELS),
+    ],
+    push_constants: Some(LightPush::LAYOUT),
+    spec_ids: &[SPEC_EMISSION, SPEC_UNIFORM_GRID, SPEC_EXACT_BINS],
+    local_size: [4, 4, 4],
+};
+
 /// Every pass. A module in `spirv/` that is missing here fails `tests/shaders.rs`.
 pub const PASSES: &[PassInterface] = &[
     MARCH.any,
@@ -765,4 +782,5 @@ pub const PASSES: &[PassInterface] = &[
     DIFFUSE_GATHER,
     ZONAL,
     BARE,
+    BARE_LIGHT,
 ];

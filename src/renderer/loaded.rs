@@ -242,6 +242,25 @@ impl Loaded {
         }
     }
 
+    /// True when there is local ambient occlusion.
+    pub(crate) fn is_occluded(&self) -> bool {
+        self.light.is_some()
+    }
+
+    /// Of optical models that scatter: iterations of the solver, its residual where that is known, paths of every pixel.
+    pub(crate) fn scattering_progress(&self) -> Option<(u32, Option<f64>, u32)> {
+        let transport = self.transport.as_ref()?;
+        if !self.settings.lighting.model.scatters() {
+            return None;
+        }
+        let (iterations, residual) = match &transport.scattered {
+            None => (0, None),
+            // What cannot be read is not known.
+            Some(scattered) => (scattered.progress().0, scattered.residual().ok().flatten()),
+        };
+        Some((iterations, residual, self.path_progress().0))
+    }
+
     /// Paths of every pixel of the last view, and those that the scene asks for; 0 where none are traced.
     pub(crate) fn path_progress(&self) -> (u32, u32) {
         if !self.settings.traces_paths() {

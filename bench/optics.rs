@@ -210,7 +210,7 @@ fn difference(picture: &Picture, reference: &Picture) -> f64 {
             whole += f64::from(b[c]).powi(2);
         }
     }
-    let noise: f64 = variance(reference);
+    let noise = variance(reference);
     ((apart - noise).max(0.0) / whole).sqrt()
 }
 
@@ -238,7 +238,7 @@ fn alternated(headless: &Headless, volume: &Arc<Volume>, scenes: [&Scene; 2]) ->
         session.timed_frame()?;
         sessions.push(session);
     }
-    let mut times = [Vec::new(), Vec::new()];
+    let mut times: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
     for _ in 0..7 {
         for (session, times) in sessions.iter_mut().zip(&mut times) {
             times.push(session.timed_frame()?);

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 mod conformance;
 mod labels;
 mod probe;
+mod procedural;
 mod reproduce;
 mod transfer;
 mod workplace;

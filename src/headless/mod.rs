@@ -1,6 +1,8 @@
 //! Rendering without a host: a device of our own, pictures read back.
 
+mod frame_time;
 mod light_volume;
+mod limits;
 mod probe;
 mod provenance;
 mod stats;
@@ -9,6 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use ash::vk;
 
+use self::frame_time::Stopwatch;
 use crate::embed::record_owned;
 use crate::error::{Error, Result};
 use crate::gpu::memory::MemoryLocation;
@@ -21,6 +24,7 @@ use crate::scene::{OpticalModel, RayProjection, Scene, View};
 use crate::volume::Volume;
 
 pub use crate::gpu::DeviceInfo;
+pub use frame_time::FrameTime;
 pub use light_volume::LightVolume;
 pub use probe::{Hit, PixelProbe};
 pub use provenance::Provenance;
@@ -372,16 +376,15 @@ impl Session {
         Ok(())
     }
 
-    /// One picture without read-back. Milliseconds from the start of recording to completion on the device.
+    /// One picture without read-back.
     ///
     /// # Errors
     /// As [`Session::frame`].
-    pub fn timed_frame(&mut self) -> Result<f64> {
+    pub fn timed_frame(&mut self) -> Result<FrameTime> {
         self.samples = None;
-        let start = std::time::Instant::now();
-        self.submit(Work::PictureOnly)?;
-        self.times.frame_ms = start.elapsed().as_secs_f64() * 1e3;
-        Ok(self.times.frame_ms)
+        let time = self.timed(Work::PictureOnly)?;
+        self.times.frame_ms = time.wall_ms;
+        Ok(time)
     }
 
     /// The light volume on the full grid; traces what is missing first.
@@ -419,16 +422,10 @@ impl Session {
         ))
     }
 
-    /// The device's limit: marches the same rays, but only samples one texture of the volume's format and size and looks the
-    /// transfer function up; as many samples as a picture takes without skipping and early termination. Milliseconds as
-    /// [`Session::timed_frame`]. The picture is lost.
-    ///
-    /// # Errors
-    /// As [`Session::frame`].
-    pub fn timed_bare_march(&mut self) -> Result<f64> {
-        let start = std::time::Instant::now();
-        self.submit(Work::Bare)?;
-        Ok(start.elapsed().as_secs_f64() * 1e3)
+    fn timed(&mut self, work: Work) -> Result<FrameTime> {
+        let watch = Stopwatch::start();
+        self.submit(work)?;
+        Ok(watch.elapsed())
     }
 
     fn device_info(&self) -> DeviceInfo {
@@ -477,6 +474,7 @@ impl Session {
             e => e,
         })?;
         self.times.add(work, self.renderer.pass_times_of(index));
+        self.times.uploaded_bytes += report.uploaded_bytes;
         Ok(report)
     }
 

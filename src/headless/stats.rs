@@ -14,7 +14,7 @@ pub struct Stats {
     pub image: ImageStats,
     /// The last picture, from the start of recording to completion on the device, ms.
     pub frame_ms: f64,
-    /// GPU times of the passes of the last direction of light, of the last picture and of the last bare march; empty
+    /// GPU times of the passes of the last direction of light, of the last picture and of the last bare march or bare light; empty
     /// without timestamps.
     pub passes: Vec<PassStats>,
     /// Local ambient occlusion; `null` when it is off.
@@ -95,6 +95,8 @@ pub struct BlockStats {
 pub struct MemoryStats {
     /// On the device, held by the renderer now.
     pub device_bytes: u64,
+    /// Bytes of bricks that were staged and uploaded since the volume was loaded.
+    pub uploaded_bytes: u64,
     /// Peak on the host; 0 where it is not counted (the program counts it).
     pub host_peak_bytes: u64,
 }
@@ -108,6 +110,7 @@ pub(super) struct Times {
     bare: Vec<PassTime>,
     light_ms: f64,
     light_directions: u32,
+    pub(super) uploaded_bytes: u64,
 }
 
 impl Times {
@@ -116,6 +119,16 @@ impl Times {
         self.light.clear();
         self.light_ms = 0.0;
         self.light_directions = 0;
+    }
+
+    /// Of the last direction of light, the last picture and the last bare march.
+    pub(super) fn passes(&self) -> Vec<PassStats> {
+        let passes = self.light.iter().chain(&self.picture).chain(&self.bare);
+        let stats = passes.map(|t| PassStats {
+            name: t.name,
+            gpu_ms: t.ms,
+        });
+        stats.collect()
     }
 
     /// Takes the pass times of a completed submission.
@@ -132,8 +145,8 @@ impl Times {
                 self.light_directions += 1;
                 self.light = times;
             }
-            Work::Bare => self.bare = times,
-            Work::UploadsOnly => {}
+            Work::Bare | Work::BareLight => self.bare = times,
+            Work::UploadsOnly | Work::CountLight => {}
         }
     }
 }
@@ -158,16 +171,7 @@ pub(super) fn of(
         },
         image: ImageStats { size: image },
         frame_ms: times.frame_ms,
-        passes: times
-            .light
-            .iter()
-            .chain(&times.picture)
-            .chain(&times.bare)
-            .map(|t| PassStats {
-                name: t.name,
-                gpu_ms: t.ms,
-            })
-            .collect(),
+        passes: times.passes(),
         lao: (rays > 0).then(|| LightStats {
             rays: traced,
             ms_per_ray: times.light_ms / f64::from(times.light_directions.max(1)),
@@ -186,6 +190,7 @@ pub(super) fn of(
         data_reduction: selection.data_reduction,
         memory: MemoryStats {
             device_bytes,
+            uploaded_bytes: times.uploaded_bytes,
             host_peak_bytes: 0,
         },
     }

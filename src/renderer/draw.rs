@@ -6,16 +6,18 @@ use glam::{DAffine3, DMat4, DVec3, DVec4};
 
 use super::light::LightProgress;
 use super::loaded::{Loaded, sample_lengths};
+use super::scattered::ScatterInputs;
 use super::settings::Settings;
-use super::transport::Transport;
-use super::{Frame, FrameReport, Paths, pass_name};
+use super::transport::{Transport, environment_kind, phase_kind};
+use super::{Frame, FrameReport, Paths, RayBasis, pass_name};
 use crate::atlas::UploadResources;
 use crate::error::Result;
 use crate::gpu::{Context, Recorder, Uniforms};
 use crate::pass::Reconstruction;
 use crate::pass::bare::BareResources;
-use crate::pass::light::LightResources;
+use crate::pass::light::{LightResources, TraceVariant};
 use crate::pass::picture::{PictureResources, PictureVariant};
+use crate::pass::scatter::ScatterVariant;
 use crate::pass::shadow::ShadowResources;
 use crate::scene::{Interpolation, OpticalModel, RayProjection, Shading};
 use crate::shader::structs::{FrameParams, SurfaceParams, VolumeParams};
@@ -25,6 +27,17 @@ const SAMPLES_A_DISPATCH: f64 = 1.3e8;
 
 /// Edge of the tiles that paths are traced in: nobody knows how long they become.
 const PATHS_TILE: u32 = 128;
+
+/// What a direction is traced for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LightWorkload {
+    /// Light.
+    Trace,
+    /// How many samples of the field it takes.
+    Count,
+    /// The bench's bare light.
+    Bare,
+}
 
 impl Loaded {
     /// For a pass in which what emits does so with `emission`.
@@ -130,6 +143,7 @@ impl Loaded {
         context: &Arc<Context>,
         recorder: &mut Recorder<'_>,
         volume: Uniforms,
+        workload: LightWorkload,
     ) -> Result<()> {
         // Light follows the linear field, whatever the march does; emission only where it is asked for.
         let emission = self
@@ -154,6 +168,7 @@ impl Loaded {
             lists,
             visibility,
             light_pass,
+            bare_light_pass,
             ..
         } = self;
         let resources = LightResources {
@@ -163,10 +178,19 @@ impl Loaded {
             work: &visibility.light,
             volume,
         };
+        if workload == LightWorkload::Bare {
+            return recorder.pass(pass_name::BARE_LIGHT, |recorder| {
+                bare_light_pass.record(context, recorder, reconstruction, &resources, push)
+            });
+        }
+        let variant = TraceVariant {
+            reconstruction,
+            count: workload == LightWorkload::Count,
+        };
         recorder.pass(pass_name::LIGHT, |recorder| {
-            light_pass.trace(context, recorder, reconstruction, &resources, push)
+            light_pass.trace(context, recorder, variant, &resources, push)
         })?;
-        if resources.work.seam.is_empty() {
+        if variant.count || resources.work.seam.is_empty() {
             return Ok(());
         }
         recorder.pass(pass_name::LIGHT_SEAM, |recorder| {
@@ -180,6 +204,8 @@ impl Loaded {
         context: &Arc<Context>,
         recorder: &mut Recorder<'_>,
         volume: Uniforms,
+        rays: &RayBasis,
+        iterating: bool,
     ) -> Result<()> {
         let Some(medium) = self.medium_uniforms(recorder)? else {
             return Ok(());
@@ -191,6 +217,8 @@ impl Loaded {
             images,
             labels,
             shadow_pass,
+            scatter_pass,
+            settings,
             ..
         } = self;
         let Some(transport) = transport else {
@@ -214,6 +242,42 @@ impl Loaded {
                 shadow_pass.record(context, recorder, reconstruction, &resources, &sweeps)
             })?;
         }
+        let Transport {
+            images: medium_images,
+            scattered: Some(scattered),
+            ..
+        } = transport
+        else {
+            return Ok(());
+        };
+        let inputs = ScatterInputs {
+            images,
+            labels: labels.as_ref(),
+            medium_images,
+            volume,
+            medium,
+            phase: &settings.lighting.phase,
+        };
+        let variant = ScatterVariant {
+            reconstruction: Reconstruction {
+                emission: settings.curve.emits(),
+                ..reconstruction
+            },
+            phase: phase_kind(&settings.lighting.phase),
+            environment: environment_kind(settings),
+            glows: settings.curve.glows(),
+        };
+        recorder.pass(pass_name::SCATTER, |recorder| {
+            scattered.record(
+                context,
+                recorder,
+                scatter_pass,
+                variant,
+                &inputs,
+                rays,
+                iterating,
+            )
+        })?;
         Ok(())
     }
 

@@ -15,8 +15,10 @@ use crate::atlas::{
 use crate::error::Result;
 use crate::gpu::Context;
 use crate::pass::bare::BarePass;
+use crate::pass::bare_light::BareLightPass;
 use crate::pass::light::LightPass;
 use crate::pass::picture::PicturePass;
+use crate::pass::scatter::ScatterPass;
 use crate::pass::shadow::ShadowPass;
 use crate::scene::{Classification, RayProjection};
 use crate::volume::Volume;
@@ -41,7 +43,9 @@ pub(crate) struct Loaded {
     pub(super) picture_pass: PicturePass,
     pub(super) light_pass: LightPass,
     pub(super) shadow_pass: ShadowPass,
+    pub(super) scatter_pass: ScatterPass,
     pub(super) bare_pass: BarePass,
+    pub(super) bare_light_pass: BareLightPass,
     pub(super) tile: Option<u32>,
 }
 
@@ -83,7 +87,9 @@ impl Loaded {
             picture_pass: PicturePass::new(context)?,
             light_pass: LightPass::new(),
             shadow_pass: ShadowPass::new(),
+            scatter_pass: ScatterPass::new(),
             bare_pass: BarePass::new(),
+            bare_light_pass: BareLightPass::new(),
             tile: None,
         })
     }
@@ -219,14 +225,21 @@ impl Loaded {
         self.paths.iter_mut().for_each(Paths::forget);
         self.labels.iter_mut().for_each(LabelImages::forget);
         self.uploads = Uploads::all(&self.residency);
+        self.restart_light();
+    }
+
+    pub(super) fn restart_light(&mut self) {
         self.light = light_progress(&self.store, &self.settings);
     }
 
-    /// Directions traced, and all of them.
+    /// Directions traced, and all of them; of scattered light the iterations.
     pub(crate) fn light_progress(&self) -> (u32, u32) {
-        self.light
-            .as_ref()
-            .map_or((0, 0), |l| (l.traced(), l.rays()))
+        let scattered = self.transport.as_ref().and_then(|t| t.scattered.as_ref());
+        match (&self.light, scattered) {
+            (Some(light), _) => (light.traced(), light.rays()),
+            (None, Some(scattered)) => scattered.progress(),
+            (None, None) => (0, 0),
+        }
     }
 
     /// Paths of every pixel of the last view, and those that the scene asks for; 0 where none are traced.

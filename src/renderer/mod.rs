@@ -9,6 +9,7 @@ mod loaded;
 mod paths;
 mod prepared;
 mod rays;
+mod scattered;
 mod settings;
 mod transport;
 
@@ -19,6 +20,7 @@ use ash::vk;
 use crate::error::{Error, Result};
 use crate::gpu::{Context, FrameSlots, Image, PassTime, Recorder};
 use crate::volume::Volume;
+use draw::LightWorkload;
 
 pub(crate) use loaded::Loaded;
 pub(crate) use paths::Paths;
@@ -79,6 +81,10 @@ pub(crate) enum Work {
     PictureOnly,
     /// The bench's bare march instead of the picture.
     Bare,
+    /// The bench's bare light, in the direction that comes next; the light volume is lost.
+    BareLight,
+    /// One direction, of which samples of the field are counted; the light volume is lost.
+    CountLight,
 }
 
 /// What a recorded frame does and what is still missing.
@@ -90,9 +96,9 @@ pub struct FrameReport {
     pub bricks_missing: usize,
     /// Bytes of bricks that this frame uploads.
     pub uploaded_bytes: u64,
-    /// Directions in the light volume once the frame completes.
+    /// Directions in the light volume once the frame completes; of optical models that scatter, iterations of their solver.
     pub light_traced: u32,
-    /// Directions of the complete light volume; 0: ambient occlusion is off.
+    /// Directions of the complete light volume, or iterations at most (fewer once it converges); 0: there is no such volume.
     pub light_rays: u32,
     /// Paths of every pixel of this view once the frame completes; 0: none are traced.
     pub paths_traced: u32,
@@ -177,6 +183,11 @@ impl Renderer {
         self.slots.last_started()
     }
 
+    /// Traces the light again from the first direction.
+    pub(crate) fn restart_light(&mut self) {
+        self.loaded.restart_light();
+    }
+
     /// The volume, its residency and its light, for readers.
     pub(crate) fn loaded(&self) -> &Loaded {
         &self.loaded
@@ -229,8 +240,10 @@ pub(crate) mod pass_name {
     pub(crate) const LIGHT: &str = "light";
     pub(crate) const LIGHT_SEAM: &str = "light_seam";
     pub(crate) const SHADOW: &str = "shadow";
+    pub(crate) const SCATTER: &str = "scatter";
     pub(crate) const MARCH: &str = "march";
     pub(crate) const BARE: &str = "bare";
+    pub(crate) const BARE_LIGHT: &str = "bare_light";
 }
 
 /// Records one frame.
@@ -246,13 +259,20 @@ pub(crate) fn record(
         .slot()
         .uniforms(bytemuck::bytes_of(&loaded.volume_params()))?;
     if matches!(work, Work::Everything | Work::LightOnly) {
-        loaded.record_light(context, recorder, volume)?;
+        loaded.record_light(context, recorder, volume, LightWorkload::Trace)?;
     }
     if matches!(work, Work::Everything | Work::LightOnly | Work::PictureOnly) {
-        loaded.record_transport(context, recorder, volume)?;
+        let iterating = work != Work::PictureOnly;
+        loaded.record_transport(context, recorder, volume, &frame.rays, iterating)?;
     }
     if matches!(work, Work::Everything | Work::PictureOnly) {
         loaded.record_picture(context, recorder, volume, frame)?;
+    }
+    if work == Work::BareLight {
+        loaded.record_light(context, recorder, volume, LightWorkload::Bare)?;
+    }
+    if work == Work::CountLight {
+        loaded.record_light(context, recorder, volume, LightWorkload::Count)?;
     }
     if work == Work::Bare {
         loaded.record_bare(context, recorder, volume, frame)?;

@@ -11,6 +11,7 @@ mod bench;
 mod conformance;
 mod labels;
 mod probe;
+mod procedural;
 mod reproduce;
 mod transfer;
 mod workplace;

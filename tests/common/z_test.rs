@@ -109,17 +109,23 @@ impl ZScores {
         BEYOND_THREE * f64::from(self.tested)
     }
 
-    /// Panics unless the mean is within four of its standard errors and not more `|Z|` are beyond 3 than four standard
-    /// deviations of their number above the expected one. Channels share their samples: a third of the Z count as independent.
-    pub(crate) fn assert_same(&self, what: &str) {
+    /// `None` when the mean is within four of its standard errors and not more `|Z|` are beyond 3 than four standard
+    /// deviations of their number above the expected one; else what is wrong. Channels share their samples: a third of the Z
+    /// count as independent.
+    pub(crate) fn complaint(&self, what: &str) -> Option<String> {
         let independent = f64::from(self.tested) / 3.0;
-        assert!(
-            self.mean.abs() <= 4.0 / independent.sqrt(),
-            "{what}: {self}"
-        );
         let expected = self.expected_beyond_three();
         let most = expected + 4.0 * (3.0 * expected).sqrt().max(1.0);
-        assert!(f64::from(self.beyond_three) <= most, "{what}: {self}");
+        let same =
+            self.mean.abs() <= 4.0 / independent.sqrt() && f64::from(self.beyond_three) <= most;
+        (!same).then(|| format!("{what}: {self}"))
+    }
+
+    /// Panics with what is wrong.
+    pub(crate) fn assert_same(&self, what: &str) {
+        if let Some(complaint) = self.complaint(what) {
+            panic!("{complaint}");
+        }
     }
 }
 

@@ -2,15 +2,13 @@
 
 use rayon::prelude::*;
 use umbravox::reference::Ray;
-use umbravox::reference::transport::{Estimate, PathTracer, scattered_once};
+use umbravox::reference::transport::{Estimate, PathStart, PathTracer, scattered_once};
 
-use crate::transport_scenes::{MULTIPLE, SINGLE, TransportScene};
+use crate::transport_scenes::{BLOCK, MULTIPLE, SINGLE, TransportScene};
 use crate::z_test::z_test;
 
 /// Of the quadrature, mm: its own error is far below the noise of the pictures.
 const STEP: f64 = 0.1;
-/// Paths of every pixel.
-const SAMPLES: u32 = 32;
 
 /// Every pixel by itself: the quadrature has no noise.
 #[test]
@@ -39,20 +37,23 @@ fn light_scattered_once() {
     }
 }
 
-/// Blocks of 6 x 6 pixels: a pixel's few paths are not normal yet.
+/// Blocks of pixels: a pixel's few paths are not normal yet.
 #[test]
 fn light_scattered_any_number_of_times() {
-    for name in MULTIPLE {
+    let mut complaints = Vec::new();
+    for (name, samples) in MULTIPLE {
         let scene = TransportScene::load(name);
         let medium = scene.medium();
         let tracer = PathTracer {
             medium: &medium,
             illumination: scene.illumination(),
             max_scatterings: u32::MAX,
+            start: PathStart::Middle,
         };
-        let ours = tracer.picture(&scene.view, scene.expected.size, SAMPLES, 1);
-        let scores = z_test(&ours, &scene.expected, 6);
+        let ours = tracer.picture(&scene.view, scene.expected.size, samples, 1);
+        let scores = z_test(&ours, &scene.expected, BLOCK);
         println!("{name}: {scores}");
-        scores.assert_same(name);
+        complaints.extend(scores.complaint(name));
     }
+    assert!(complaints.is_empty(), "\n  {}", complaints.join("\n  "));
 }

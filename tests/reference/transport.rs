@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3};
 use umbravox::reference::Ray;
 use umbravox::reference::analytic::{self, LitSlab, extinction, slab_opacity, sphere_chord};
 use umbravox::reference::transport::{
-    Illumination, Medium, PathTracer, absorbed, emitted, glowing, scattered_once,
+    Illumination, Medium, PathStart, PathTracer, absorbed, emitted, glowing, scattered_once,
 };
 use umbravox::scene::{Curve, CurvePoint, Light, Lighting, Optical, PhaseFunction};
 use umbravox::volume::Volume;
@@ -222,6 +222,7 @@ fn white_furnace() {
             phase: &FORWARD,
         },
         max_scatterings: u32::MAX,
+        start: PathStart::Middle,
     };
     let ray = Ray {
         origin: DVec3::new(-5.0, 2.5, 3.3),
@@ -286,6 +287,7 @@ fn paths_of_one_scattering_estimate_the_quadrature() {
         medium: &medium,
         illumination,
         max_scatterings: 1,
+        start: PathStart::Middle,
     };
     let estimate = tracer.ray(ray, 40_000, 2);
     assert_estimates(estimate, expected.radiance, 0.01);

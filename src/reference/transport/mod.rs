@@ -15,5 +15,5 @@ mod quadrature;
 
 pub use illumination::{Illumination, Incident, Surroundings};
 pub use medium::{Medium, Optics};
-pub use paths::{Estimate, PathTracer};
+pub use paths::{Estimate, PathStart, PathTracer};
 pub use quadrature::{RayLight, absorbed, emitted, glowing, scattered_once};

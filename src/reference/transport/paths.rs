@@ -20,6 +20,17 @@ pub struct PathTracer<'a> {
     pub illumination: Illumination<'a>,
     /// Most scatterings of a path; 1 is single scattering with shadows.
     pub max_scatterings: u32,
+    /// Where in its pixel a path starts.
+    pub start: PathStart,
+}
+
+/// Where in its pixel a path starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PathStart {
+    /// In the middle, where rays of the other models start.
+    Middle,
+    /// Anywhere, with equal chance: the mean over the pixel's area.
+    Anywhere,
 }
 
 /// A picture of means, and how sure they are.
@@ -34,17 +45,24 @@ pub struct Estimate {
 }
 
 impl PathTracer<'_> {
-    /// Scattered radiance through the middle of every pixel from `samples` paths each, at least 2. A seed gives the same
-    /// picture whatever the number of threads.
+    /// Scattered radiance of every pixel from `samples` paths each, at least 2. A seed gives the same picture whatever the
+    /// number of threads.
     pub fn picture(&self, view: &View, size: [u32; 2], samples: u32, seed: u32) -> Estimate {
         let [width, height] = size;
         let (mean, variance) = (0..width * height)
             .into_par_iter()
             .map(|at| {
-                let pixel = [at % width, at / width].map(|c| f64::from(c) + 0.5);
-                let (origin, direction) = view.ray(pixel, size);
+                let corner = [at % width, at / width].map(f64::from);
                 let seed = (u64::from(seed) << 32) | u64::from(at);
-                self.ray(Ray { origin, direction }, samples, seed)
+                self.mean(samples, seed, |random| {
+                    let within = match self.start {
+                        PathStart::Middle => [0.5; 2],
+                        PathStart::Anywhere => [random.share(), random.share()],
+                    };
+                    let pixel = [corner[0] + within[0], corner[1] + within[1]];
+                    let (origin, direction) = view.ray(pixel, size);
+                    Ray { origin, direction }
+                })
             })
             .unzip();
         Estimate {
@@ -54,12 +72,23 @@ impl PathTracer<'_> {
         }
     }
 
-    /// Mean of the paths that start with a ray, and the variance of that mean (Welford 1962).
+    /// Mean of the paths that start with a ray, and the variance of that mean.
     pub fn ray(&self, ray: Ray, samples: u32, seed: u64) -> (DVec3, DVec3) {
+        self.mean(samples, seed, |_| ray)
+    }
+
+    /// By the sums of Welford (1962).
+    fn mean(
+        &self,
+        samples: u32,
+        seed: u64,
+        ray: impl Fn(&mut Random) -> Ray,
+    ) -> (DVec3, DVec3) {
         let mut random = Random::new(seed);
         let [mut mean, mut squares] = [DVec3::ZERO; 2];
         for n in 1..=samples {
-            let radiance = self.path(ray, &mut random);
+            let start = ray(&mut random);
+            let radiance = self.path(start, &mut random);
             let difference = radiance - mean;
             mean += difference / f64::from(n);
             squares += difference * (radiance - mean);

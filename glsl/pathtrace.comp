@@ -46,13 +46,33 @@ vec3 direction_around(vec3 axis, float cosine, float turn) {
 
 // Scatters light that is to travel along `outgoing_ws` backwards; `weight` is multiplied by phase function over density.
 vec3 scattered_direction(vec3 outgoing_ws, inout Random random, inout vec3 weight) {
-    float columns = float(textureSize(t_phase, 0).x - 1);
-    float place = next_random(random) * columns;
-    int column = min(int(place), int(columns) - 1);
-    float low = texelFetch(t_phase, ivec2(column, 0), 0).r;
-    float high = texelFetch(t_phase, ivec2(column + 1, 0), 0).r;
-    float cosine = mix(low, high, place - float(column));
-    weight *= phase_function(medium.phase, cosine) * 2.0 * PI * (high - low) * columns;
+    float cosine;
+    float g = medium.phase.x;
+    switch (PHASE) {
+    case 0u:
+        cosine = 2.0 * next_random(random) - 1.0;
+        break;
+    case 2u:
+        g = next_random(random) < medium.phase.z ? medium.phase.x : medium.phase.y;
+        // Then as one lobe.
+    case 1u: {
+        float share = next_random(random);
+        // The usual form divides by g; this one has no 0/0.
+        float t = 1.0 - g + 2.0 * g * share;
+        cosine = 0.5 * (g + (2.0 * share - 1.0 + g) * ((1.0 - g * g) / t + 1.0) / t);
+        break;
+    }
+    default: {
+        float columns = float(textureSize(t_phase, 0).x - 1);
+        float place = next_random(random) * columns;
+        int column = min(int(place), int(columns) - 1);
+        float low = texelFetch(t_phase, ivec2(column, 0), 0).r;
+        float high = texelFetch(t_phase, ivec2(column + 1, 0), 0).r;
+        cosine = mix(low, high, place - float(column));
+        weight *= phase_function(medium.phase, cosine) * 2.0 * PI * (high - low) * columns;
+    }
+    }
+    cosine = clamp(cosine, -1.0, 1.0);
     return direction_around(outgoing_ws, cosine, 2.0 * PI * next_random(random));
 }
 

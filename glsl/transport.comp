@@ -100,13 +100,15 @@ void add_segment(inout Accumulated acc, inout Seen seen, Ray ray, Brick b, Segme
     vec3 opacities = vec3(opacity_of(depths.r), opacity_of(depths.g), opacity_of(depths.b));
     // Light of the segment that leaves it, per unit of what it sends out: (1 - exp(-d)) / d.
     vec3 leaving = mix(opacities / depths, vec3(1.0), lessThan(depths, vec3(1e-6)));
+    // Radiance per optical depth, then per mm.
+    vec3 emitted = matter.emission;
     vec3 source = matter.source;
-    if (MODEL == EMISSION_ALONE || MODEL == EMISSION_ABSORPTION) {
-        source += (matter.color + matter.emission) * medium.extinction * matter.extinction;
-    } else if (MODEL == SCATTERING) {
-        source += matter.emission * medium.extinction * matter.extinction;
+    if (MODEL == SCATTERING) {
         source += scattered_source(b, p_ix, ray.direction_ws, matter);
+    } else {
+        emitted += matter.color;
     }
+    source += emitted * medium.extinction * matter.extinction;
     if (MODEL != ABSORPTION) {
         seen.radiance += seen.through * leaving * source * length_mm;
     }
@@ -167,7 +169,7 @@ void main() {
         seen.through = vec3(0.0);
         acc.opacity = 1.0;
     }
-    if (CHROMATIC && AUX) {
+    if (CHROMATIC) {
         imageStore(i_through, ivec2(px), vec4(seen.through, 1.0));
     }
     frame_store_through(px, vec4(seen.radiance, acc.opacity), seen.through, layers);

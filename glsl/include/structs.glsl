@@ -145,3 +145,16 @@ struct SweepPush {
     int layer;
     int previous;    // layer nearer to the light; the same: the first one
 };
+
+// Scattered light on its grid: one step of a solver.
+struct ScatterPush {
+    vec4 eye;            // position of the eye, mm, w = 1; or the direction towards it, w = 0
+    uint step;           // iteration, or layer of a sweep
+    uint bins;           // directions of the discrete ordinates
+    uint columns;        // tiles of bins side by side in their images; of diffusion the colour; of a gathering the tile
+    uint flags;          // what the step leaves out (scatter_grid.glsl)
+    float over_relaxation;
+    float mean_cosine;   // of the phase function
+    float pad0;
+    float pad1;
+};

@@ -24,6 +24,12 @@ vec3 flight_position(Flight flight) {
     return clamp(flight.origin_ix + flight.at_mm * flight.d_ix, vec3(0.0), volume.field_ix);
 }
 
+// (A function: reflection does not evaluate negations of specialization constants.)
+bool is_global() {
+    bool global = GLOBAL_MAJORANT;
+    return global;
+}
+
 float largest_factor() {
     return max(medium.extinction.r, max(medium.extinction.g, medium.extinction.b));
 }
@@ -36,7 +42,7 @@ float next_collision(inout Flight flight, inout Random random) {
         vec3 p_ix = flight_position(flight);
         float majorant = medium.tracking.x;
         float ahead = flight.reach_mm - flight.at_mm;
-        if (!GLOBAL_MAJORANT) {
+        if (!is_global()) {
             ivec3 cell = skip_cell_of(p_ix);
             uint distance = texelFetch(t_skip, cell, 0).r;
             int reach = distance == WHOLE_BLOCK ? 1 : max(int(distance), 1);

@@ -42,10 +42,7 @@ impl Provenance {
     pub fn entries(&self) -> Vec<(&'static str, String)> {
         let mut entries = vec![
             (keyword::SOFTWARE, self.software.clone()),
-            (
-                keyword::SOURCE,
-                self.scene.volume.path.display().to_string(),
-            ),
+            (keyword::SOURCE, self.scene.volume.name()),
             (keyword::DATA, self.data.clone()),
             (keyword::LIGHT, self.light_directions.to_string()),
             (keyword::DEVICE, self.device.clone()),

@@ -168,6 +168,17 @@ pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
     read_file(path, options)
 }
 
+/// The volume of a scene: read from its file, or computed.
+///
+/// # Errors
+/// As [`read`] and [`crate::scene::Procedural::volume`].
+pub fn volume_of(source: &VolumeSource, options: &ReadOptions<'_>) -> Result<Volume> {
+    match &source.procedural {
+        Some(procedural) => procedural.volume(),
+        None => read(&source.path, options),
+    }
+}
+
 /// Reads a label map: a volume with a whole number at each voxel.
 ///
 /// # Errors

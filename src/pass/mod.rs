@@ -5,6 +5,7 @@ pub(crate) mod bare_light;
 pub(crate) mod light;
 pub(crate) mod picture;
 pub(crate) mod preintegrate;
+pub(crate) mod scatter;
 pub(crate) mod shadow;
 
 use std::collections::BTreeMap;

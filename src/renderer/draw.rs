@@ -6,9 +6,10 @@ use glam::{DAffine3, DMat4, DVec3, DVec4};
 
 use super::light::LightProgress;
 use super::loaded::{Loaded, sample_lengths};
+use super::scattered::ScatterInputs;
 use super::settings::Settings;
-use super::transport::Transport;
-use super::{Frame, FrameReport, Paths, pass_name};
+use super::transport::{Transport, environment_kind, phase_kind};
+use super::{Frame, FrameReport, Paths, RayBasis, pass_name};
 use crate::atlas::UploadResources;
 use crate::error::Result;
 use crate::gpu::{Context, Recorder, Uniforms};
@@ -16,6 +17,7 @@ use crate::pass::Reconstruction;
 use crate::pass::bare::BareResources;
 use crate::pass::light::{LightResources, TraceVariant};
 use crate::pass::picture::{PictureResources, PictureVariant};
+use crate::pass::scatter::ScatterVariant;
 use crate::pass::shadow::ShadowResources;
 use crate::scene::{Interpolation, OpticalModel, RayProjection, Shading};
 use crate::shader::structs::{FrameParams, SurfaceParams, VolumeParams};
@@ -202,6 +204,8 @@ impl Loaded {
         context: &Arc<Context>,
         recorder: &mut Recorder<'_>,
         volume: Uniforms,
+        rays: &RayBasis,
+        iterating: bool,
     ) -> Result<()> {
         let Some(medium) = self.medium_uniforms(recorder)? else {
             return Ok(());
@@ -213,6 +217,8 @@ impl Loaded {
             images,
             labels,
             shadow_pass,
+            scatter_pass,
+            settings,
             ..
         } = self;
         let Some(transport) = transport else {
@@ -236,6 +242,42 @@ impl Loaded {
                 shadow_pass.record(context, recorder, reconstruction, &resources, &sweeps)
             })?;
         }
+        let Transport {
+            images: medium_images,
+            scattered: Some(scattered),
+            ..
+        } = transport
+        else {
+            return Ok(());
+        };
+        let inputs = ScatterInputs {
+            images,
+            labels: labels.as_ref(),
+            medium_images,
+            volume,
+            medium,
+            phase: &settings.lighting.phase,
+        };
+        let variant = ScatterVariant {
+            reconstruction: Reconstruction {
+                emission: settings.curve.emits(),
+                ..reconstruction
+            },
+            phase: phase_kind(&settings.lighting.phase),
+            environment: environment_kind(settings),
+            glows: settings.curve.glows(),
+        };
+        recorder.pass(pass_name::SCATTER, |recorder| {
+            scattered.record(
+                context,
+                recorder,
+                scatter_pass,
+                variant,
+                &inputs,
+                rays,
+                iterating,
+            )
+        })?;
         Ok(())
     }
 

@@ -18,6 +18,7 @@ use crate::pass::bare::BarePass;
 use crate::pass::bare_light::BareLightPass;
 use crate::pass::light::LightPass;
 use crate::pass::picture::PicturePass;
+use crate::pass::scatter::ScatterPass;
 use crate::pass::shadow::ShadowPass;
 use crate::scene::{Classification, RayProjection};
 use crate::volume::Volume;
@@ -42,6 +43,7 @@ pub(crate) struct Loaded {
     pub(super) picture_pass: PicturePass,
     pub(super) light_pass: LightPass,
     pub(super) shadow_pass: ShadowPass,
+    pub(super) scatter_pass: ScatterPass,
     pub(super) bare_pass: BarePass,
     pub(super) bare_light_pass: BareLightPass,
     pub(super) tile: Option<u32>,
@@ -85,6 +87,7 @@ impl Loaded {
             picture_pass: PicturePass::new(context)?,
             light_pass: LightPass::new(),
             shadow_pass: ShadowPass::new(),
+            scatter_pass: ScatterPass::new(),
             bare_pass: BarePass::new(),
             bare_light_pass: BareLightPass::new(),
             tile: None,
@@ -229,11 +232,14 @@ impl Loaded {
         self.light = light_progress(&self.store, &self.settings);
     }
 
-    /// Directions traced, and all of them.
+    /// Directions traced, and all of them; of scattered light the iterations.
     pub(crate) fn light_progress(&self) -> (u32, u32) {
-        self.light
-            .as_ref()
-            .map_or((0, 0), |l| (l.traced(), l.rays()))
+        let scattered = self.transport.as_ref().and_then(|t| t.scattered.as_ref());
+        match (&self.light, scattered) {
+            (Some(light), _) => (light.traced(), light.rays()),
+            (None, Some(scattered)) => scattered.progress(),
+            (None, None) => (0, 0),
+        }
     }
 
     /// Paths of every pixel of the last view, and those that the scene asks for; 0 where none are traced.

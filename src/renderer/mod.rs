@@ -9,6 +9,7 @@ mod loaded;
 mod paths;
 mod prepared;
 mod rays;
+mod scattered;
 mod settings;
 mod transport;
 
@@ -95,9 +96,9 @@ pub struct FrameReport {
     pub bricks_missing: usize,
     /// Bytes of bricks that this frame uploads.
     pub uploaded_bytes: u64,
-    /// Directions in the light volume once the frame completes.
+    /// Directions in the light volume once the frame completes; of optical models that scatter, iterations of their solver.
     pub light_traced: u32,
-    /// Directions of the complete light volume; 0: ambient occlusion is off.
+    /// Directions of the complete light volume, or iterations at most (fewer once it converges); 0: there is no such volume.
     pub light_rays: u32,
     /// Paths of every pixel of this view once the frame completes; 0: none are traced.
     pub paths_traced: u32,
@@ -239,6 +240,7 @@ pub(crate) mod pass_name {
     pub(crate) const LIGHT: &str = "light";
     pub(crate) const LIGHT_SEAM: &str = "light_seam";
     pub(crate) const SHADOW: &str = "shadow";
+    pub(crate) const SCATTER: &str = "scatter";
     pub(crate) const MARCH: &str = "march";
     pub(crate) const BARE: &str = "bare";
     pub(crate) const BARE_LIGHT: &str = "bare_light";
@@ -260,7 +262,8 @@ pub(crate) fn record(
         loaded.record_light(context, recorder, volume, LightWorkload::Trace)?;
     }
     if matches!(work, Work::Everything | Work::LightOnly | Work::PictureOnly) {
-        loaded.record_transport(context, recorder, volume)?;
+        let iterating = work != Work::PictureOnly;
+        loaded.record_transport(context, recorder, volume, &frame.rays, iterating)?;
     }
     if matches!(work, Work::Everything | Work::PictureOnly) {
         loaded.record_picture(context, recorder, volume, frame)?;

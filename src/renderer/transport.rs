@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
+use super::scattered::Scattered;
 use super::settings::Settings;
 use crate::atlas::{
     LightGrid, Majorants, MediumExtents, MediumImages, MediumTexels, Residency, Store,
@@ -27,6 +28,8 @@ pub(super) struct Transport {
     pub(super) sweeps: Vec<Sweep>,
     /// Of null-collision tracking.
     majorants: Option<Majorants>,
+    /// What is scattered besides light that comes straight from the lights.
+    pub(super) scattered: Option<Scattered>,
     settings: Settings,
     volume: Arc<Volume>,
 }
@@ -50,10 +53,11 @@ impl Transport {
             let sample_mm = settings.march.step * volume.min_spacing();
             Majorants::new(residency, settings.march.interpolation, table, sample_mm)
         });
-        let shadow = (shadowing(settings) == Shadowing::Swept
-            && !traced
-            && !settings.lighting.lights.is_empty())
-        .then(|| {
+        let scattered = Scattered::new(context, name, lengths_mm(volume), settings)?;
+        let solved = settings.lighting.model == OpticalModel::MultipleScattering && !traced;
+        // Solvers take what comes straight from the lights from the sweep, whatever the march does.
+        let swept = solved || (shadowing(settings) == Shadowing::Swept && !traced);
+        let shadow = (swept && !settings.lighting.lights.is_empty()).then(|| {
             let spacing = settings.lighting.shadows.spacing * volume.min_spacing();
             LightGrid::spaced(lengths_mm(volume), spacing)
         });
@@ -63,7 +67,7 @@ impl Transport {
             name,
             &MediumExtents {
                 shadow: shadow.map(|grid| (grid, lights)),
-                scattered: None,
+                scattered: scattered.as_ref().map(Scattered::grid),
                 majorant: traced.then(|| residency.cells.counts()),
                 environment: settings.environment.as_ref().map(|map| map.size()),
             },
@@ -73,6 +77,7 @@ impl Transport {
             shadow,
             sweeps: Vec::new(),
             majorants,
+            scattered,
             settings: settings.clone(),
             volume: volume.clone(),
         };
@@ -106,6 +111,7 @@ impl Transport {
     /// See [`crate::gpu::Image::forget`].
     pub(super) fn forget(&mut self) {
         self.images.forget();
+        self.scattered.iter_mut().for_each(Scattered::forget);
         self.restart();
     }
 
@@ -141,7 +147,7 @@ impl Transport {
             reflectance: lighting.reflectance,
             environment: environment_kind(&self.settings),
             chromatic: is_chromatic(&self.settings),
-            scattered: false,
+            scattered: self.scattered.is_some(),
             paths: (self.settings.traces_paths()).then_some(lighting.scattering.majorant),
         }
     }
@@ -189,6 +195,7 @@ impl Transport {
         } else {
             0.0
         };
+        let scattered = self.scattered.as_ref().map_or([1; 3], |s| s.grid().points);
         let shadow = self.shadow.map_or([1; 3], |grid| grid.points);
         MediumParams {
             extinction: three(lighting.extinction),
@@ -220,7 +227,7 @@ impl Transport {
             ix_from_ws_z: ix(2),
             shadow_points: shadow.map(|n| n as i32),
             unit_mm: curve.unit_distance as f32,
-            scatter_points: [1; 3],
+            scatter_points: scattered.map(|n| n as i32),
             light_count: lighting.lights.len() as u32,
             light_place: lights.place,
             light_color: lights.color,
@@ -249,7 +256,7 @@ fn is_chromatic(settings: &Settings) -> bool {
 }
 
 /// The shaders' `ENVIRONMENT`.
-fn environment_kind(settings: &Settings) -> u32 {
+pub(super) fn environment_kind(settings: &Settings) -> u32 {
     match (&settings.lighting.environment, &settings.environment) {
         (None, _) => 0,
         (Some(_), None) => 1,
@@ -258,7 +265,7 @@ fn environment_kind(settings: &Settings) -> u32 {
 }
 
 /// The shaders' `PHASE`.
-fn phase_kind(phase: &PhaseFunction) -> u32 {
+pub(super) fn phase_kind(phase: &PhaseFunction) -> u32 {
     match phase {
         PhaseFunction::Isotropic => 0,
         PhaseFunction::HenyeyGreenstein { .. } => 1,

@@ -21,6 +21,8 @@ mod palette;
 mod parse;
 mod phase;
 mod presets;
+mod procedural;
+pub(crate) mod random;
 mod scattering;
 mod schema;
 mod storage;
@@ -43,6 +45,7 @@ pub use march::{Classification, Interpolation, Isosurface, March, RayProjection,
 pub use parse::{Override, is_scene_file};
 pub use phase::{MAX_ASYMMETRY, MAX_PHASE_VALUES, PhaseFunction};
 pub use presets::{PRESETS, Preset};
+pub use procedural::{Cloud, Ellipsoid, Procedural};
 pub use scattering::{Majorant, Scattering, ScatteringMethod, ShadowMethod, Shadows};
 pub use schema::schema;
 pub use storage::Storage;
@@ -56,6 +59,8 @@ pub use validate::{
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
 
 /// A whole scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -91,7 +96,11 @@ pub struct Scene {
 #[serde(deny_unknown_fields)]
 pub struct VolumeSource {
     /// File, relative to the scene file.
+    #[serde(default, skip_serializing_if = "is_empty")]
     pub path: std::path::PathBuf,
+    /// A formula in place of a file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub procedural: Option<Procedural>,
     /// Only for headerless files: what the header would have said.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub raw: Option<RawDescription>,
@@ -114,6 +123,35 @@ pub struct VolumeSource {
     /// A segmentation of the same place. Default: none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub labels: Option<LabelSource>,
+}
+
+fn is_empty(path: &std::path::Path) -> bool {
+    path.as_os_str().is_empty()
+}
+
+impl VolumeSource {
+    /// What is shown of it: the file, or what kind of formula.
+    pub fn name(&self) -> String {
+        match &self.procedural {
+            Some(Procedural::Cloud(_)) => "procedural cloud".to_owned(),
+            None => self.path.display().to_string(),
+        }
+    }
+
+    fn validate(&self) -> Result<()> {
+        match (&self.procedural, is_empty(&self.path)) {
+            (None, true) => Err(Error::invalid(
+                "volume.path",
+                "missing or empty; give a file, or \"procedural\" in its place",
+            )),
+            (None, false) => Ok(()),
+            (Some(procedural), true) => procedural.validate(),
+            (Some(_), false) => Err(Error::invalid(
+                "volume.procedural",
+                "stands beside \"path\"; give one of them",
+            )),
+        }
+    }
 }
 
 /// Describes a headerless file.

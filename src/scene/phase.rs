@@ -149,6 +149,12 @@ impl PhaseFunction {
 
     /// The cosine up to which a share in `[0,1]` of the light is scattered: inverse of [`Self::cumulative`].
     pub fn quantile(&self, share: f64) -> f64 {
+        if share <= 0.0 {
+            return -1.0;
+        }
+        if share >= 1.0 {
+            return 1.0;
+        }
         let cos = match self {
             Self::Isotropic => 2.0 * share - 1.0,
             Self::HenyeyGreenstein { g } => {
@@ -171,12 +177,6 @@ impl PhaseFunction {
     }
 
     fn bisected_quantile(&self, share: f64) -> f64 {
-        if share <= 0.0 {
-            return -1.0;
-        }
-        if share >= 1.0 {
-            return 1.0;
-        }
         let [mut low, mut high] = [-1.0, 1.0];
         // Each step halves an interval of 2: 54 steps end at the spacing of numbers near 1.
         for _ in 0..54 {
@@ -252,13 +252,19 @@ fn mix(weight: f64, lobe: impl Fn(f64) -> f64, first: f64, second: f64) -> f64 {
     weight * lobe(first) + (1.0 - weight) * lobe(second)
 }
 
+/// `1 + g^2 - 2 g cos`, without cancellation at the peak.
+fn squared_distance(g: f64, cos: f64) -> f64 {
+    let g_abs = g.abs();
+    (1.0 - g_abs).powi(2) + 2.0 * g_abs * (1.0 - cos * g.signum())
+}
+
 fn henyey_greenstein(g: f64, cos: f64) -> f64 {
-    UNIFORM * (1.0 - g * g) / (1.0 + g * g - 2.0 * g * cos).powf(1.5)
+    UNIFORM * (1.0 - g * g) / squared_distance(g, cos).powf(1.5)
 }
 
 /// Cumulative share of a lobe, without the usual form's division by g.
 fn henyey_greenstein_share(g: f64, cos: f64) -> f64 {
-    let s = (1.0 + g * g - 2.0 * g * cos).sqrt();
+    let s = squared_distance(g, cos).sqrt();
     (1.0 - g) * (1.0 + cos) / (s * (1.0 + g + s))
 }
 

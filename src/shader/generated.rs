@@ -16,6 +16,24 @@ pub static BARE_LIGHT: Module = Module {
     words: include_spirv!("bare_light.spv"),
 };
 
+/// `spirv/diffuse_gather.spv`.
+pub static DIFFUSE_GATHER: Module = Module {
+    name: "diffuse_gather",
+    words: include_spirv!("diffuse_gather.spv"),
+};
+
+/// `spirv/diffusion_relax.spv`.
+pub static DIFFUSION_RELAX: Module = Module {
+    name: "diffusion_relax",
+    words: include_spirv!("diffusion_relax.spv"),
+};
+
+/// `spirv/diffusion_source.spv`.
+pub static DIFFUSION_SOURCE: Module = Module {
+    name: "diffusion_source",
+    words: include_spirv!("diffusion_source.spv"),
+};
+
 /// `spirv/extremum.spv`.
 pub static EXTREMUM: Module = Module {
     name: "extremum",
@@ -38,6 +56,12 @@ pub static EXTREMUM_BLEND_RGBA32F: Module = Module {
 pub static EXTREMUM_BLEND_RGBA8: Module = Module {
     name: "extremum_blend_rgba8",
     words: include_spirv!("extremum_blend_rgba8.spv"),
+};
+
+/// `spirv/grid_medium.spv`.
+pub static GRID_MEDIUM: Module = Module {
+    name: "grid_medium",
+    words: include_spirv!("grid_medium.spv"),
 };
 
 /// `spirv/isosurface.spv`.
@@ -100,6 +124,24 @@ pub static MARCH_BLEND_RGBA8: Module = Module {
     words: include_spirv!("march_blend_rgba8.spv"),
 };
 
+/// `spirv/ordinates_gather.spv`.
+pub static ORDINATES_GATHER: Module = Module {
+    name: "ordinates_gather",
+    words: include_spirv!("ordinates_gather.spv"),
+};
+
+/// `spirv/ordinates_source.spv`.
+pub static ORDINATES_SOURCE: Module = Module {
+    name: "ordinates_source",
+    words: include_spirv!("ordinates_source.spv"),
+};
+
+/// `spirv/ordinates_sweep.spv`.
+pub static ORDINATES_SWEEP: Module = Module {
+    name: "ordinates_sweep",
+    words: include_spirv!("ordinates_sweep.spv"),
+};
+
 /// `spirv/pathtrace.spv`.
 pub static PATHTRACE: Module = Module {
     name: "pathtrace",
@@ -160,15 +202,25 @@ pub static TRANSPORT_BLEND_RGBA8: Module = Module {
     words: include_spirv!("transport_blend_rgba8.spv"),
 };
 
+/// `spirv/zonal.spv`.
+pub static ZONAL: Module = Module {
+    name: "zonal",
+    words: include_spirv!("zonal.spv"),
+};
+
 /// Every module, by name.
 #[rustfmt::skip]
 pub static MODULES: &[&Module] = &[
     &BARE,
     &BARE_LIGHT,
+    &DIFFUSE_GATHER,
+    &DIFFUSION_RELAX,
+    &DIFFUSION_SOURCE,
     &EXTREMUM,
     &EXTREMUM_BLEND_RGBA16F,
     &EXTREMUM_BLEND_RGBA32F,
     &EXTREMUM_BLEND_RGBA8,
+    &GRID_MEDIUM,
     &ISOSURFACE,
     &ISOSURFACE_BLEND_RGBA16F,
     &ISOSURFACE_BLEND_RGBA32F,
@@ -179,6 +231,9 @@ pub static MODULES: &[&Module] = &[
     &MARCH_BLEND_RGBA16F,
     &MARCH_BLEND_RGBA32F,
     &MARCH_BLEND_RGBA8,
+    &ORDINATES_GATHER,
+    &ORDINATES_SOURCE,
+    &ORDINATES_SWEEP,
     &PATHTRACE,
     &PATHTRACE_BLEND_RGBA16F,
     &PATHTRACE_BLEND_RGBA32F,
@@ -189,6 +244,7 @@ pub static MODULES: &[&Module] = &[
     &TRANSPORT_BLEND_RGBA16F,
     &TRANSPORT_BLEND_RGBA32F,
     &TRANSPORT_BLEND_RGBA8,
+    &ZONAL,
 ];
 
 pub const BINDING_VOLUME: u32 = 0;
@@ -258,6 +314,28 @@ pub const BINDING_PATHS_SUM: u32 = 31;
 pub const BINDING_PATHS_SQUARE: u32 = 32;
 
 pub const BINDING_PATHS_THROUGH: u32 = 33;
+
+pub const BINDING_GRID_MEDIUM: u32 = 34;
+
+pub const BINDING_GRID_EMISSION: u32 = 35;
+
+pub const BINDING_GRID_MEDIUM_STORE: u32 = 36;
+
+pub const BINDING_GRID_EMISSION_STORE: u32 = 37;
+
+pub const BINDING_BINS: u32 = 38;
+
+pub const BINDING_PHASE_MATRIX: u32 = 39;
+
+pub const BINDING_INTENSITY_STORE: u32 = 40;
+
+pub const BINDING_SOURCE_STORE: u32 = 41;
+
+pub const BINDING_FLUENCE_STORE: u32 = 42;
+
+pub const BINDING_SCATTERED_STORE: u32 = 43;
+
+pub const BINDING_RESIDUAL: u32 = 44;
 
 pub const SPEC_INTERPOLATION: u32 = 0;
 

@@ -275,6 +275,30 @@ gpu_struct! {
     }
 }
 
+gpu_struct! {
+    /// Scattered light on its grid: one step of a solver.
+    pub struct ScatterPush {
+        /// Position of the eye, mm, w = 1; or the direction towards it, w = 0.
+        pub eye: [f32; 4],
+        /// Iteration, or layer of a sweep.
+        pub step: u32,
+        /// Directions of the discrete ordinates.
+        pub bins: u32,
+        /// Tiles of bins side by side in their images; of diffusion the colour; of a gathering the tile.
+        pub columns: u32,
+        /// What the step leaves out (`scatter_grid.glsl`).
+        pub flags: u32,
+        /// Factor on a step of relaxation.
+        pub over_relaxation: f32,
+        /// Of the phase function.
+        pub mean_cosine: f32,
+        /// Unused.
+        pub pad0: f32,
+        /// Unused.
+        pub pad1: f32,
+    }
+}
+
 /// Every mirror. A GLSL struct that the host fills or reads and that is missing here fails `tests/shaders.rs`.
 pub const ALL: &[StructLayout] = &[
     VolumeParams::LAYOUT,
@@ -287,4 +311,5 @@ pub const ALL: &[StructLayout] = &[
     BarePush::LAYOUT,
     MediumParams::LAYOUT,
     SweepPush::LAYOUT,
+    ScatterPush::LAYOUT,
 ];

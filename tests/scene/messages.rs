@@ -56,7 +56,7 @@ fn unknown_keys_name_the_nearest_valid_one() {
 fn missing_keys_say_what_to_give() {
     assert_eq!(
         error(parse("{}")),
-        "volume: missing; give an object with channel, labels, level, path, raw, series, strict, timestep"
+        "volume: missing; give an object with channel, labels, level, path, procedural, raw, series, strict, timestep"
     );
     assert_eq!(
         message(json!({ "camera": { "eye": [0, 0, 0] } })),
@@ -251,7 +251,7 @@ fn ranges() {
         ),
         (
             json!({ "volume": { "path": "" } }),
-            "volume.path: empty; give a file",
+            "volume.path: missing or empty; give a file, or \"procedural\" in its place",
         ),
         (
             json!({ "volume": { "path": "x", "raw": { "size": [8, 1, 8], "type": "u8" } } }),

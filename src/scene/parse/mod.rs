@@ -67,7 +67,9 @@ impl Scene {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut scene = Self::from_value(unique_keys::parse(text)?, overrides)?;
         // `join` keeps an absolute path as it is.
-        scene.volume.path = folder.join(&scene.volume.path);
+        if scene.volume.procedural.is_none() {
+            scene.volume.path = folder.join(&scene.volume.path);
+        }
         if let Some(labels) = &mut scene.volume.labels {
             labels.path = folder.join(&labels.path);
         }

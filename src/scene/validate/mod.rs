@@ -37,9 +37,7 @@ impl Scene {
     /// # Errors
     /// [`Error::Invalid`] naming the first key that is out of range, its value and what would be valid.
     pub fn validate(&self) -> Result<()> {
-        if self.volume.path.as_os_str().is_empty() {
-            return Err(Error::invalid("volume.path", "empty; give a file"));
-        }
+        self.volume.validate()?;
         if let Some(raw) = &self.volume.raw {
             check_raw(raw)?;
         }

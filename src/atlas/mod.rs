@@ -3,6 +3,7 @@
 //! Three things change at different times, and each has a type: [`Store`] with the data, [`Residency`] with
 //! the choice of levels, [`Visibility`] with the transfer function. [`Images`] holds their device side.
 
+mod colors;
 mod images;
 mod labels;
 mod light_work;
@@ -13,6 +14,7 @@ mod transfer_table;
 mod upload;
 mod visibility;
 
+pub(crate) use colors::{COLOR_TEXEL_BYTES, ColorAtlas};
 pub(crate) use images::{Images, LIGHT_TEXEL_BYTES, LightLists, TableImages};
 pub(crate) use labels::LabelImages;
 pub(crate) use light_work::{GROUP, LightWork};

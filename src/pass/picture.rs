@@ -31,6 +31,8 @@ pub(crate) struct PictureVariant {
     pub(crate) light: bool,
     /// Lambert's law, with this estimate of the gradient.
     pub(crate) diffuse: Option<Gradient>,
+    /// Samples have the colours of the data.
+    pub(crate) data_color: bool,
     pub(crate) jitter: bool,
     pub(crate) aux: bool,
     pub(crate) scene_depth: bool,
@@ -90,6 +92,7 @@ impl PictureVariant {
             (SPEC_XRAY, (self.projection == RayProjection::Xray).into()),
             (SPEC_LIGHT, self.light.into()),
             (SPEC_DIFFUSE, self.diffuse.is_some().into()),
+            (SPEC_DATA_COLOR, self.data_color.into()),
             (SPEC_JITTER, self.jitter.into()),
             (SPEC_AUX, self.aux.into()),
             (SPEC_SCENE_DEPTH, self.scene_depth.into()),
@@ -226,12 +229,21 @@ impl PicturePass {
             },
             None => sampled(&self.unused_sampled, &self.nearest),
         };
+        let color = match &images.color {
+            Some(color) => {
+                recorder.use_image(&color.image, Access::SampledRead);
+                sampled(&color.image, &images.linear)
+            }
+            // Another image of its kind, which is not read.
+            None => sampled(&images.atlas, images.atlas_sampler()),
+        };
         let mut bound = field.to_vec();
         bound.extend(use_labels(recorder, images, labels));
         bound.extend([
             (BINDING_VOLUME, Bound::Uniform(volume)),
             (BINDING_FRAME, Bound::Uniform(frame)),
             (BINDING_LIGHT, light),
+            (BINDING_COLOR, color),
             (BINDING_SCENE_DEPTH, depth),
             (BINDING_TARGET, Bound::StorageView(target)),
             (BINDING_AUX, Bound::StorageImage(aux)),

@@ -195,6 +195,7 @@ impl Loaded {
             classification: march.classification(),
             light: self.light.is_some(),
             diffuse: (lighting.shading == Shading::Diffuse).then_some(lighting.gradient),
+            data_color: self.images.color.is_some(),
             jitter: march.jitter,
             aux: frame.aux.is_some(),
             scene_depth: frame.depth.is_some(),

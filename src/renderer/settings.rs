@@ -2,8 +2,8 @@
 
 use crate::error::Result;
 use crate::scene::{
-    AmbientOcclusion, Classification, Curve, Labels, Lighting, March, RayProjection, Scene,
-    Storage, Surface, check_together,
+    AmbientOcclusion, Classification, ColorManagement, Curve, Labels, Lighting, March,
+    RayProjection, Scene, Storage, Surface, VolumeColor, check_data_color, check_together,
 };
 use crate::volume::Volume;
 
@@ -12,6 +12,8 @@ use crate::volume::Volume;
 pub struct Settings {
     /// Transfer function, colours decoded.
     pub curve: Curve,
+    /// The colours of the volume's voxels, decoded so, in place of the transfer function's; `None`: the latter.
+    pub data_color: Option<ColorManagement>,
     /// Ray sampling.
     pub march: March,
     /// What [`March::surfaces`] makes of the march's isosurfaces.
@@ -40,6 +42,7 @@ impl Settings {
         Ok(Self {
             surfaces: scene.march.surfaces(&curve, colors),
             curve,
+            data_color: scene.data_color(volume)?,
             labels: Labels::of_scene(scene, volume)?,
             march: scene.march.clone(),
             lighting: scene.lighting.clone(),
@@ -59,6 +62,9 @@ impl Settings {
         self.lighting.validate()?;
         self.storage.validate()?;
         check_together(&self.march, &self.lighting, self.ambient_occlusion.as_ref())?;
+        if self.data_color.is_some() {
+            check_data_color(&self.march)?;
+        }
         match &self.ambient_occlusion {
             Some(ao) => ao.validate(),
             None => Ok(()),
@@ -73,8 +79,11 @@ impl Settings {
         ) && self.march.classification() == Classification::Preintegrated
     }
 
-    /// Labels must lie where the volume does.
-    pub(super) fn check_labels(&self, volume: &Volume) -> Result<()> {
+    /// Labels must lie where the volume does, and colours that are to be drawn must be there.
+    pub(super) fn check_volume(&self, volume: &Volume) -> Result<()> {
+        if self.data_color.is_some() {
+            VolumeColor::require_colors(volume)?;
+        }
         match &self.labels {
             Some(labels) => labels.map().check_overlap(volume),
             None => Ok(()),

@@ -2,10 +2,11 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
 use super::{ColorManagement, Guess, TransferFile, presets, transfer_file};
 use crate::error::Result;
-use crate::volume::Volume;
+use crate::volume::{Volume, hexadecimal};
 
 /// One control point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -147,6 +148,12 @@ impl Curve {
             Some(p) if p.value == value => p.optical,
             _ => self.evaluate(value),
         }
+    }
+
+    /// SHA-256 of the unit distance and every control point, as 64 hexadecimal digits, whatever file or preset they came from.
+    pub fn fingerprint(&self) -> String {
+        // Numbers are written so that they are read back as they are.
+        hexadecimal(Sha256::new_with_prefix(format!("{self:?}")))
     }
 
     /// True when some point emits.

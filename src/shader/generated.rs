@@ -167,6 +167,8 @@ pub const BINDING_LABELS: u32 = 21;
 
 pub const BINDING_LABEL_TABLE: u32 = 22;
 
+pub const BINDING_COLOR: u32 = 23;
+
 pub const SPEC_INTERPOLATION: u32 = 0;
 
 pub const SPEC_BLOCKS_APART: u32 = 1;
@@ -202,3 +204,5 @@ pub const SPEC_XRAY: u32 = 15;
 pub const SPEC_PROJECTION: u32 = 16;
 
 pub const SPEC_LABELS: u32 = 17;
+
+pub const SPEC_DATA_COLOR: u32 = 18;

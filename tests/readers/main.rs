@@ -2,6 +2,7 @@
 
 #[cfg(feature = "formats")]
 mod chunked;
+mod colors;
 #[cfg(feature = "formats")]
 mod independent;
 mod metaimage;

@@ -206,3 +206,19 @@ fn thinned_volumes_stay_where_they_were() {
         assert!(ours.distance(theirs) < 1e-12);
     }
 }
+
+/// Whatever their luminance looks like.
+#[test]
+fn colors_are_colors() {
+    let volume = Volume::axis_aligned(Voxels::U8(vec![0, 1, 2, 3, 1, 1, 2, 2]), [2; 3], [1.0; 3]);
+    let colors = vec![[9, 8, 7, 255]; 8];
+    let volume = volume.unwrap().with_colors(Some(colors)).unwrap();
+    let guess = Guess::of(&volume);
+    assert_eq!((guess.modality, guess.preset), (Modality::Color, "colors"));
+    let clone = volume.clone().with_colors(Some(vec![[0; 4]; 7]));
+    assert!(clone.is_err(), "one colour is missing");
+    assert_ne!(
+        volume.fingerprint(),
+        volume.clone().with_colors(None).unwrap().fingerprint()
+    );
+}

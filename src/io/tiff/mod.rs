@@ -110,6 +110,7 @@ fn read_pages(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
     };
     let picked = ReadOptions {
         channel,
+        color: options.color,
         limits,
         progress: options.progress,
         ..ReadOptions::default()

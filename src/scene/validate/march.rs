@@ -126,3 +126,14 @@ pub(crate) fn check_together(
     }
     Ok(())
 }
+
+/// Colours of the data are drawn sample by sample, which only compositing does.
+pub(crate) fn check_data_color(march: &March) -> Result<()> {
+    if march.projection == RayProjection::Composite {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        "volume.color",
+        "\"data\" needs the projection \"composite\", others draw values and surfaces; give \"transfer_function\"",
+    ))
+}

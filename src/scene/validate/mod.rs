@@ -5,10 +5,11 @@ mod march;
 use std::fmt::Debug;
 
 use march::check_march;
-pub(crate) use march::check_together;
+pub(crate) use march::{check_data_color, check_together};
 
 use super::{
     AmbientOcclusion, Image, Lighting, March, RawDescription, Scene, Storage, TransferFunction,
+    VolumeColor,
 };
 use crate::error::{Error, Result};
 
@@ -41,6 +42,15 @@ impl Scene {
         }
         if let Some(labels) = &self.volume.labels {
             labels.validate()?;
+        }
+        if self.volume.color == Some(VolumeColor::Data) {
+            check_data_color(&self.march)?;
+            if self.volume.channel.is_some() {
+                return Err(Error::invalid(
+                    "volume.color",
+                    "\"data\" draws all channels as colours, volume.channel reads one of them; give one of the two",
+                ));
+            }
         }
         self.camera.validate()?;
         check_image(&self.image)?;

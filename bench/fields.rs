@@ -119,6 +119,7 @@ fn ramp(values: [f64; 2], opacities: [f64; 2]) -> TransferFunction {
         color: [0.95, 0.88, 0.76],
         opacity: opacities[at],
         emission: [0.0; 3],
+        source: [0.0; 3],
     };
     TransferFunction {
         unit_distance: Some(1.0),

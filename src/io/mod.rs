@@ -64,7 +64,7 @@ use bundle::Bundle;
 pub use formats::{FORMATS, Format};
 
 use crate::error::{Error, Result};
-use crate::scene::{RawDescription, VolumeColor, VolumeSource};
+use crate::scene::{LabelSource, RawDescription, VolumeColor, VolumeSource};
 use crate::volume::{LabelMap, Volume};
 
 /// What a caller may say about a file before it is read.
@@ -103,6 +103,17 @@ impl From<&VolumeSource> for ReadOptions<'_> {
             color: source.color,
             level: source.level,
             strict: source.strict,
+            ..Self::default()
+        }
+    }
+}
+
+impl From<&LabelSource> for ReadOptions<'_> {
+    /// What a scene says, with default limits.
+    fn from(source: &LabelSource) -> Self {
+        Self {
+            series: source.series.clone(),
+            channel: source.channel,
             ..Self::default()
         }
     }

@@ -4,6 +4,7 @@ pub(crate) mod bare;
 pub(crate) mod light;
 pub(crate) mod picture;
 pub(crate) mod preintegrate;
+pub(crate) mod shadow;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -92,5 +92,6 @@ fn classified_voxels(probe: &Probe, distance: f64) -> Optical {
         color: dissociated(color).to_array(),
         opacity: color.w,
         emission: dissociated(emission).to_array(),
+        source: [0.0; 3],
     }
 }

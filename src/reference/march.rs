@@ -64,7 +64,7 @@ impl<'a> Setup<'a> {
             surfaces,
             lighting: &scene.lighting,
             light,
-            data_color: scene.data_color(volume).unwrap_or_default(),
+            data_color: scene.data_color(volume, curve).unwrap_or_default(),
             labels: None,
             depth_threshold: scene.image.depth_threshold,
             jitter: None,
@@ -159,8 +159,11 @@ pub fn march_ray(setup: &Setup, ray: Ray, shift: f64) -> Pixel {
 }
 
 fn march_until(setup: &Setup, ray: Ray, shift: f64, end: f64) -> Pixel {
-    // There is one of each yet; another one must not compile here unnoticed.
-    let OpticalModel::EmissionAbsorption = setup.lighting.model;
+    assert_eq!(
+        setup.lighting.model,
+        OpticalModel::EmissionAbsorption,
+        "the march's only model"
+    );
 
     let probe = Probe::new(setup, ray, end);
     let segments = probe.segments(shift);

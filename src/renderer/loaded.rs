@@ -2,9 +2,12 @@
 
 use std::sync::Arc;
 
+use super::RayBasis;
 use super::light::LightProgress;
+use super::paths::Paths;
 use super::prepared::Prepared;
 use super::settings::Settings;
+use super::transport::Transport;
 use crate::atlas::{
     COLOR_TEXEL_BYTES, Images, LIGHT_TEXEL_BYTES, LabelImages, LightLists, Residency,
     SampleLengths, SampleScale, Shown, Store, TransferTable, Uploads, Visibility,
@@ -14,6 +17,7 @@ use crate::gpu::Context;
 use crate::pass::bare::BarePass;
 use crate::pass::light::LightPass;
 use crate::pass::picture::PicturePass;
+use crate::pass::shadow::ShadowPass;
 use crate::scene::{Classification, RayProjection};
 use crate::volume::Volume;
 
@@ -31,9 +35,12 @@ pub(crate) struct Loaded {
     pub(super) prepared: Prepared,
     pub(super) labels: Option<LabelImages>,
     pub(super) light: Option<LightProgress>,
+    pub(super) transport: Option<Transport>,
+    pub(super) paths: Option<Paths>,
     pub(super) uploads: Uploads,
     pub(super) picture_pass: PicturePass,
     pub(super) light_pass: LightPass,
+    pub(super) shadow_pass: ShadowPass,
     pub(super) bare_pass: BarePass,
     pub(super) tile: Option<u32>,
 }
@@ -55,6 +62,7 @@ impl Loaded {
         let lists = LightLists::new(context, NAME, &visibility.light)?;
         let light = light_progress(&store, &settings);
         let uploads = Uploads::all(&residency);
+        let transport = Transport::new(context, NAME, &store, &residency, &table, &settings)?;
         let exact_bins =
             table.has_exact_bins(sample_lengths(&settings, store.volume.min_spacing()));
         Ok(Self {
@@ -69,9 +77,12 @@ impl Loaded {
             prepared,
             labels,
             light,
+            transport,
+            paths: None,
             uploads,
             picture_pass: PicturePass::new(context)?,
             light_pass: LightPass::new(),
+            shadow_pass: ShadowPass::new(),
             bare_pass: BarePass::new(),
             tile: None,
         })
@@ -108,7 +119,8 @@ impl Loaded {
             || settings.surfaces != old.surfaces
             || settings.march.projection != old.march.projection
             || settings.march.interpolation != old.march.interpolation
-            || settings.march.classification() != old.march.classification();
+            || settings.march.classification() != old.march.classification()
+            || settings.is_preintegrated() != old.is_preintegrated();
         let lit = settings.ambient_occlusion.is_some();
         let was_lit = old.ambient_occlusion.is_some();
         let color = settings.data_color;
@@ -146,6 +158,19 @@ impl Loaded {
             .map(|v| LightLists::new(context, NAME, &v.light))
             .transpose()?;
 
+        let transport = match &self.transport {
+            Some(transport) if residency.is_none() && transport.serves(&settings) => None,
+            None if !settings.transports() => None,
+            _ => Some(Transport::new(
+                context,
+                NAME,
+                &self.store,
+                current,
+                &table,
+                &settings,
+            )?),
+        };
+
         let same_light =
             images.is_none() && residency.is_none() && self.settings.same_light(&settings);
         if let Some(images) = images {
@@ -163,6 +188,10 @@ impl Loaded {
         }
         if let Some(lists) = lists {
             self.lists = lists;
+        }
+        if let Some(transport) = transport {
+            self.transport = transport;
+            self.paths = None;
         }
         if let Some(prepared) = prepared {
             self.prepared = prepared;
@@ -188,6 +217,8 @@ impl Loaded {
         self.images.forget();
         self.picture_pass.forget();
         self.prepared.forget();
+        self.transport.iter_mut().for_each(Transport::forget);
+        self.paths.iter_mut().for_each(Paths::forget);
         self.labels.iter_mut().for_each(LabelImages::forget);
         self.uploads = Uploads::all(&self.residency);
         self.light = light_progress(&self.store, &self.settings);
@@ -198,6 +229,27 @@ impl Loaded {
         self.light
             .as_ref()
             .map_or((0, 0), |l| (l.traced(), l.rays()))
+    }
+
+    /// Paths of every pixel of the last view, and those that the scene asks for; 0 where none are traced.
+    pub(crate) fn path_progress(&self) -> (u32, u32) {
+        if !self.settings.traces_paths() {
+            return (0, 0);
+        }
+        let traced = self.paths.as_ref().map_or(0, Paths::traced);
+        (traced, self.settings.lighting.scattering.samples)
+    }
+
+    /// The same, for rays that need not be those of the last view.
+    pub(crate) fn path_progress_of(&self, rays: &RayBasis, size_px: [u32; 2]) -> (u32, u32) {
+        let (_, asked) = self.path_progress();
+        let paths = self.paths.as_ref().filter(|p| p.are_of(rays, size_px));
+        (paths.map_or(0, Paths::traced), asked)
+    }
+
+    /// The sums of the paths, where some were traced.
+    pub(crate) fn paths(&self) -> Option<&Paths> {
+        self.paths.as_ref()
     }
 
     /// True when every brick is on the device.

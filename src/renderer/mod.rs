@@ -6,9 +6,11 @@
 mod draw;
 mod light;
 mod loaded;
+mod paths;
 mod prepared;
 mod rays;
 mod settings;
+mod transport;
 
 use std::sync::Arc;
 
@@ -19,6 +21,7 @@ use crate::gpu::{Context, FrameSlots, Image, PassTime, Recorder};
 use crate::volume::Volume;
 
 pub(crate) use loaded::Loaded;
+pub(crate) use paths::Paths;
 pub(crate) use rays::{RayBasis, ix_from_clip};
 
 pub use rays::DepthRange;
@@ -53,6 +56,10 @@ pub(crate) struct Frame<'a> {
     pub(crate) depth: Option<FrameDepth>,
     /// Depth and sample counts are written here.
     pub(crate) aux: Option<&'a Image>,
+    /// What comes through each channel is written here, where extinctions differ.
+    pub(crate) through: Option<&'a Image>,
+    /// Factor on the volume's radiance.
+    pub(crate) exposure: f32,
     /// Seeds the jitter.
     pub(crate) number: u32,
     /// Bytes of bricks to upload at most.
@@ -87,12 +94,18 @@ pub struct FrameReport {
     pub light_traced: u32,
     /// Directions of the complete light volume; 0: ambient occlusion is off.
     pub light_rays: u32,
+    /// Paths of every pixel of this view once the frame completes; 0: none are traced.
+    pub paths_traced: u32,
+    /// Paths that the scene asks for; later frames go on refining.
+    pub paths: u32,
 }
 
 impl FrameReport {
     /// True when later frames of the same scene would look the same (but for jitter).
     pub fn is_complete(&self) -> bool {
-        self.bricks_missing == 0 && self.light_traced == self.light_rays
+        self.bricks_missing == 0
+            && self.light_traced == self.light_rays
+            && self.paths_traced >= self.paths
     }
 }
 
@@ -215,6 +228,7 @@ pub(crate) mod pass_name {
     pub(crate) const PREINTEGRATE: &str = "preintegrate";
     pub(crate) const LIGHT: &str = "light";
     pub(crate) const LIGHT_SEAM: &str = "light_seam";
+    pub(crate) const SHADOW: &str = "shadow";
     pub(crate) const MARCH: &str = "march";
     pub(crate) const BARE: &str = "bare";
 }
@@ -234,6 +248,9 @@ pub(crate) fn record(
     if matches!(work, Work::Everything | Work::LightOnly) {
         loaded.record_light(context, recorder, volume)?;
     }
+    if matches!(work, Work::Everything | Work::LightOnly | Work::PictureOnly) {
+        loaded.record_transport(context, recorder, volume)?;
+    }
     if matches!(work, Work::Everything | Work::PictureOnly) {
         loaded.record_picture(context, recorder, volume, frame)?;
     }
@@ -241,5 +258,6 @@ pub(crate) fn record(
         loaded.record_bare(context, recorder, volume, frame)?;
     }
     (report.light_traced, report.light_rays) = loaded.light_progress();
+    (report.paths_traced, report.paths) = loaded.path_progress();
     Ok(report)
 }

@@ -8,16 +8,20 @@ mod camera;
 mod color;
 mod content;
 mod directions;
+mod environment_map;
 mod first_picture;
 mod framing;
 mod histogram;
 mod image;
 mod labels;
 mod lighting;
+mod lights;
 mod march;
 mod palette;
 mod parse;
+mod phase;
 mod presets;
+mod scattering;
 mod schema;
 mod storage;
 mod transfer_file;
@@ -30,22 +34,28 @@ pub use camera::{Camera, Framed, Projection, View};
 pub use color::{ColorManagement, linear_from_srgb, srgb_from_linear};
 pub use content::{Guess, Modality};
 pub use directions::{DirectionSet, directions};
+pub use environment_map::EnvironmentMap;
 pub use first_picture::FirstPicture;
 pub use image::Image;
 pub use labels::{LabelSource, LabelStyle, Labels};
-pub use lighting::{Gradient, Lighting, OpticalModel, Shading};
+pub use lighting::{Gradient, Lighting, OpticalModel, Reflectance, Shading};
+pub use lights::{Environment, Light, MAX_LIGHTS};
 pub use march::{Classification, Interpolation, Isosurface, March, RayProjection, Surface};
 pub use parse::{Override, is_scene_file};
+pub use phase::{MAX_ASYMMETRY, MAX_PHASE_VALUES, PhaseFunction};
 pub use presets::{PRESETS, Preset};
+pub use scattering::{Majorant, Scattering, ScatteringMethod, ShadowMethod, Shadows};
 pub use schema::schema;
 pub use storage::Storage;
 pub use transfer_file::{TRANSFER_TOLERANCE, TransferFile, TransferFormat};
 pub use transfer_function::{ControlPoint, Curve, CurvePoint, Optical, TransferFunction};
+pub(crate) use validate::check_together;
 pub use validate::{
-    MAX_EMISSION, MAX_IMAGE_SIZE, MAX_ISOSURFACES, MAX_RAYS, MAX_SAMPLES_PER_RAY, MIN_STEP,
+    MAX_EMISSION, MAX_EXPOSURE, MAX_IMAGE_SIZE, MAX_ISOSURFACES, MAX_RAYS, MAX_SAMPLES_PER_RAY,
+    MIN_STEP,
 };
-pub(crate) use validate::{check_data_color, check_together};
 pub use volume_color::VolumeColor;
+pub(crate) use volume_color::check_data_color;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -94,10 +94,64 @@ pub static MARCH_BLEND_RGBA8: Module = Module {
     words: include_spirv!("march_blend_rgba8.spv"),
 };
 
+/// `spirv/pathtrace.spv`.
+pub static PATHTRACE: Module = Module {
+    name: "pathtrace",
+    words: include_spirv!("pathtrace.spv"),
+};
+
+/// `spirv/pathtrace_blend_rgba16f.spv`.
+pub static PATHTRACE_BLEND_RGBA16F: Module = Module {
+    name: "pathtrace_blend_rgba16f",
+    words: include_spirv!("pathtrace_blend_rgba16f.spv"),
+};
+
+/// `spirv/pathtrace_blend_rgba32f.spv`.
+pub static PATHTRACE_BLEND_RGBA32F: Module = Module {
+    name: "pathtrace_blend_rgba32f",
+    words: include_spirv!("pathtrace_blend_rgba32f.spv"),
+};
+
+/// `spirv/pathtrace_blend_rgba8.spv`.
+pub static PATHTRACE_BLEND_RGBA8: Module = Module {
+    name: "pathtrace_blend_rgba8",
+    words: include_spirv!("pathtrace_blend_rgba8.spv"),
+};
+
 /// `spirv/preintegrate.spv`.
 pub static PREINTEGRATE: Module = Module {
     name: "preintegrate",
     words: include_spirv!("preintegrate.spv"),
+};
+
+/// `spirv/shadow_sweep.spv`.
+pub static SHADOW_SWEEP: Module = Module {
+    name: "shadow_sweep",
+    words: include_spirv!("shadow_sweep.spv"),
+};
+
+/// `spirv/transport.spv`.
+pub static TRANSPORT: Module = Module {
+    name: "transport",
+    words: include_spirv!("transport.spv"),
+};
+
+/// `spirv/transport_blend_rgba16f.spv`.
+pub static TRANSPORT_BLEND_RGBA16F: Module = Module {
+    name: "transport_blend_rgba16f",
+    words: include_spirv!("transport_blend_rgba16f.spv"),
+};
+
+/// `spirv/transport_blend_rgba32f.spv`.
+pub static TRANSPORT_BLEND_RGBA32F: Module = Module {
+    name: "transport_blend_rgba32f",
+    words: include_spirv!("transport_blend_rgba32f.spv"),
+};
+
+/// `spirv/transport_blend_rgba8.spv`.
+pub static TRANSPORT_BLEND_RGBA8: Module = Module {
+    name: "transport_blend_rgba8",
+    words: include_spirv!("transport_blend_rgba8.spv"),
 };
 
 /// Every module, by name.
@@ -118,7 +172,16 @@ pub static MODULES: &[&Module] = &[
     &MARCH_BLEND_RGBA16F,
     &MARCH_BLEND_RGBA32F,
     &MARCH_BLEND_RGBA8,
+    &PATHTRACE,
+    &PATHTRACE_BLEND_RGBA16F,
+    &PATHTRACE_BLEND_RGBA32F,
+    &PATHTRACE_BLEND_RGBA8,
     &PREINTEGRATE,
+    &SHADOW_SWEEP,
+    &TRANSPORT,
+    &TRANSPORT_BLEND_RGBA16F,
+    &TRANSPORT_BLEND_RGBA32F,
+    &TRANSPORT_BLEND_RGBA8,
 ];
 
 pub const BINDING_VOLUME: u32 = 0;
@@ -167,7 +230,29 @@ pub const BINDING_LABELS: u32 = 21;
 
 pub const BINDING_LABEL_TABLE: u32 = 22;
 
-pub const BINDING_COLOR: u32 = 23;
+pub const BINDING_MEDIUM: u32 = 23;
+
+pub const BINDING_SHADOW: u32 = 24;
+
+pub const BINDING_SHADOW_STORE: u32 = 25;
+
+pub const BINDING_SCATTERED: u32 = 26;
+
+pub const BINDING_ENVIRONMENT: u32 = 27;
+
+pub const BINDING_PHASE: u32 = 28;
+
+pub const BINDING_THROUGH: u32 = 29;
+
+pub const BINDING_MAJORANT: u32 = 30;
+
+pub const BINDING_PATHS_SUM: u32 = 31;
+
+pub const BINDING_PATHS_SQUARE: u32 = 32;
+
+pub const BINDING_PATHS_THROUGH: u32 = 33;
+
+pub const BINDING_COLOR: u32 = 34;
 
 pub const SPEC_INTERPOLATION: u32 = 0;
 
@@ -205,4 +290,22 @@ pub const SPEC_PROJECTION: u32 = 16;
 
 pub const SPEC_LABELS: u32 = 17;
 
-pub const SPEC_DATA_COLOR: u32 = 18;
+pub const SPEC_MODEL: u32 = 18;
+
+pub const SPEC_PHASE: u32 = 19;
+
+pub const SPEC_GLOWS: u32 = 20;
+
+pub const SPEC_SHADOWS: u32 = 21;
+
+pub const SPEC_REFLECTANCE: u32 = 22;
+
+pub const SPEC_ENVIRONMENT: u32 = 23;
+
+pub const SPEC_CHROMATIC: u32 = 24;
+
+pub const SPEC_SCATTERED: u32 = 25;
+
+pub const SPEC_GLOBAL_MAJORANT: u32 = 26;
+
+pub const SPEC_DATA_COLOR: u32 = 27;

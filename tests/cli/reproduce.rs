@@ -25,6 +25,8 @@ fn rename_device(place: &Workplace, picture: &str, renamed: &str) {
         size: [image.width(), image.height()],
         rgba: image.pixels().map(|_| [0.0; 4]).collect(),
         depth: vec![0.0; image.pixels().len()],
+        through: None,
+        variance: None,
         median_depth: vec![0.0; image.pixels().len()],
         measure: vec![0.0; image.pixels().len()],
         measured: umbravox::picture::Measured::ExpectedDepth,

@@ -5,6 +5,7 @@ mod chunked;
 mod colors;
 #[cfg(feature = "formats")]
 mod independent;
+mod metadata;
 mod metaimage;
 mod nifti;
 mod nrrd;

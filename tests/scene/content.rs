@@ -50,7 +50,7 @@ fn files_have_the_first_word() {
     ] {
         let metadata = Metadata {
             content: Some((content, "Key VALUE".into())),
-            patient_axes: false,
+            ..Metadata::default()
         };
         let guess = Guess::of(&ball().with_metadata(metadata));
         assert_eq!(guess.modality, expected);
@@ -77,6 +77,7 @@ fn values_tell_the_rest() {
     let patient = Metadata {
         content: None,
         patient_axes: true,
+        ..Metadata::default()
     };
     assert_eq!(modality(&head.clone().with_metadata(patient)), Modality::Mr);
     assert_ne!(modality(&head), Modality::Mr, "axes of no patient");

@@ -130,8 +130,9 @@ fn names_that_this_version_lacks_are_refused() {
              \"bspline\", \"catmull_rom\"",
         ),
         (
-            json!({ "lighting": { "model": "absorption" } }),
-            "lighting.model: \"absorption\" is not available; this version has \"emission_absorption\"",
+            json!({ "lighting": { "model": "radiosity" } }),
+            "lighting.model: \"radiosity\" is not available; this version has \"absorption\", \"emission\", \
+             \"emission_absorption\", \"single_scattering\", \"shadowed_scattering\", \"multiple_scattering\"",
         ),
         (
             json!({ "lighting": { "shading": "phong" } }),
@@ -399,7 +400,7 @@ fn labels_say_what_is_valid() {
         ),
         (
             json!({ "path": "a", "shown": [1] }),
-            "volume.labels.shown: unknown key; did you mean \"show\"? Valid here: colors, hide, path, show, tint",
+            "volume.labels.shown: unknown key; did you mean \"show\"? Valid here: channel, colors, hide, path, series, show, tint",
         ),
         (
             json!({ "path": "a", "show": [0.5] }),

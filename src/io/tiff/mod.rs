@@ -127,7 +127,7 @@ fn read_pages(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
         .then(|| (Content::Microscopy, "OME-XML".into()));
     Ok(volume.with_metadata(Metadata {
         content,
-        patient_axes: false,
+        ..Metadata::default()
     }))
 }
 

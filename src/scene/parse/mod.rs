@@ -12,7 +12,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::Scene;
+use super::{Environment, Scene};
 use crate::error::{Error, Result};
 
 pub use overrides::Override;
@@ -73,6 +73,15 @@ impl Scene {
         }
         if let Some(file) = &mut scene.transfer_function.file {
             *file = folder.join(&*file);
+        }
+        if let Some(picture) = &mut scene.image.background_image {
+            *picture = folder.join(&*picture);
+        }
+        if let Some(Environment {
+            path: Some(path), ..
+        }) = &mut scene.lighting.environment
+        {
+            *path = folder.join(&*path);
         }
         Ok(scene)
     }

@@ -4,7 +4,7 @@ use super::{
     MAX_ISOSURFACES, Number, check_step, finite, is_share, numbers, positive_share, require,
 };
 use crate::error::{Error, Result};
-use crate::scene::{AmbientOcclusion, Classification, Lighting, March, RayProjection, Shading};
+use crate::scene::{Classification, March, RayProjection};
 
 pub(super) fn check_march(march: &March) -> Result<()> {
     check_step("march.step", march.step)?;
@@ -97,43 +97,4 @@ fn check_isosurfaces(march: &March) -> Result<()> {
         }
     }
     Ok(())
-}
-
-/// Refuses what parts of a scene cannot mean together.
-pub(crate) fn check_together(
-    march: &March,
-    lighting: &Lighting,
-    occlusion: Option<&AmbientOcclusion>,
-) -> Result<()> {
-    if matches!(
-        march.projection,
-        RayProjection::Composite | RayProjection::Isosurface
-    ) {
-        return Ok(());
-    }
-    let lit = "needs light, which only the projections \"composite\" and \"isosurface\" have";
-    if lighting.shading != Shading::None {
-        return Err(Error::invalid(
-            "lighting.shading",
-            format!("{lit}; give \"none\""),
-        ));
-    }
-    if occlusion.is_some() {
-        return Err(Error::invalid(
-            "ambient_occlusion",
-            format!("{lit}; give null"),
-        ));
-    }
-    Ok(())
-}
-
-/// Colours of the data are drawn sample by sample, which only compositing does.
-pub(crate) fn check_data_color(march: &March) -> Result<()> {
-    if march.projection == RayProjection::Composite {
-        return Ok(());
-    }
-    Err(Error::invalid(
-        "volume.color",
-        "\"data\" needs the projection \"composite\", others draw values and surfaces; give \"transfer_function\"",
-    ))
 }

@@ -325,6 +325,7 @@ impl Loaded {
             diffuse: lighting.shading == Shading::Diffuse,
             gradient: lighting.gradient,
             transport: self.transport.as_ref().map(Transport::variant),
+            data_color: self.images.color.is_some(),
             jitter: march.jitter,
             aux: frame.aux.is_some(),
             scene_depth: frame.depth.is_some(),

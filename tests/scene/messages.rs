@@ -149,7 +149,7 @@ fn names_that_this_version_lacks_are_refused() {
         (
             json!({ "transfer_function": { "preset": "ct_bone" } }),
             "transfer_function.preset: \"ct_bone\" is not available; did you mean \"ct-bone\"? \
-             This version has boundaries, ct-angio, ct-bone, ct-lung, ct-muscle-and-skin, ct-soft-tissue, labels, \
+             This version has boundaries, colors, ct-angio, ct-bone, ct-lung, ct-muscle-and-skin, ct-soft-tissue, labels, \
              micro-ct, microscopy, mr-angio, mr-default, simulation",
         ),
     ] {
@@ -400,7 +400,7 @@ fn labels_say_what_is_valid() {
         ),
         (
             json!({ "path": "a", "shown": [1] }),
-            "volume.labels.shown: unknown key; did you mean \"show\"? Valid here: colors, hide, path, show, tint",
+            "volume.labels.shown: unknown key; did you mean \"show\"? Valid here: channel, colors, hide, path, series, show, tint",
         ),
         (
             json!({ "path": "a", "show": [0.5] }),
@@ -429,4 +429,34 @@ fn labels_say_what_is_valid() {
     ] {
         assert_eq!(labels(value), expected);
     }
+}
+
+#[test]
+fn colors_of_the_data() {
+    let colors = |more: Value, color: &str| {
+        let mut scene = json!({ "volume": { "path": "x", "color": color } });
+        for (key, value) in more.as_object().unwrap() {
+            scene[key] = value.clone();
+        }
+        parse(&scene.to_string())
+    };
+    for projection in ["maximum", "minimum", "mean", "xray", "isosurface"] {
+        let march = json!({ "march": { "projection": projection } });
+        assert!(colors(march.clone(), "transfer_function").is_ok());
+        assert_eq!(
+            error(colors(march, "data")),
+            "volume.color: \"data\" needs the projection \"composite\", others draw values and surfaces; give \
+             \"transfer_function\""
+        );
+    }
+    assert_eq!(
+        error(parse(
+            r#"{"volume":{"path":"x","color":"data","channel":1}}"#
+        )),
+        "volume.color: \"data\" draws all channels as colours, volume.channel reads one of them; give one of the two"
+    );
+    assert_eq!(
+        error(colors(json!({}), "datum")),
+        "volume.color: \"datum\" is not available; this version has \"data\", \"transfer_function\""
+    );
 }

@@ -107,6 +107,7 @@ fn shadowed_scattering_is_what_mitsuba_has() {
         let mut loaded = TransportScene::load(name);
         // What a coarser step leaves would be seen in the mean of all Z.
         loaded.scene.march.step = 0.1;
+        loaded.scene.lighting.shadows.method = ShadowMethod::Rays;
         let ours = without_noise(&picture(&headless, &loaded.volume, &loaded.scene));
         let scores = z_test(&ours, &loaded.expected, 1);
         println!("{name}: {scores}");

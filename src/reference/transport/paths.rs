@@ -78,12 +78,7 @@ impl PathTracer<'_> {
     }
 
     /// By the sums of Welford (1962).
-    fn mean(
-        &self,
-        samples: u32,
-        seed: u64,
-        ray: impl Fn(&mut Random) -> Ray,
-    ) -> (DVec3, DVec3) {
+    fn mean(&self, samples: u32, seed: u64, ray: impl Fn(&mut Random) -> Ray) -> (DVec3, DVec3) {
         let mut random = Random::new(seed);
         let [mut mean, mut squares] = [DVec3::ZERO; 2];
         for n in 1..=samples {

@@ -312,10 +312,9 @@ def medium(description, voxels, spacing):
         # Of colours Mitsuba wants numbers up to 1.
         sigma_t = {"sigma_t": rgb(extinction / extinction.max()), "scale": float(extinction.max())}
         return {"type": "homogeneous", **sigma_t, "albedo": rgb(albedo[0, 0, 0]), "phase": phase}
-    is_grey = len(set(extinction)) == 1
     return {
         "type": "heterogeneous",
-        "sigma_t": grid(value * (extinction[:1] if is_grey else extinction), spacing),
+        "sigma_t": grid(value * extinction[:1], spacing),
         "albedo": grid(albedo, spacing),
         "phase": phase,
     }
@@ -359,12 +358,29 @@ def rays(camera):
 
 
 def render(description, voxels, spacing):
-    """Mean and variance of the mean of every pixel, and what it took."""
+    """Mean and variance of the mean of every pixel, and what it took.
+
+    Where the channels' extinctions differ, each is a picture of a grey medium of its own: `volpath` is no estimator for
+    the others then, and `volpathmis` of Mitsuba 3.7.1 is 1 % brighter than that, 12 standard errors, on `cloud_chromatic`.
+    """
+    extinction = description["lighting"]["extinction"]
+    if len(set(extinction)) == 1:
+        return render_grey(description, voxels, spacing)
+    means, variances, notes = [], [], []
+    for channel, factor in enumerate(extinction):
+        lighting = {**description["lighting"], "extinction": [factor] * 3}
+        mean, variance, note = render_grey({**description, "lighting": lighting}, voxels, spacing)
+        means.append(mean[..., channel])
+        variances.append(variance[..., channel])
+        notes.append(note)
+    return np.stack(means, -1), np.stack(variances, -1), "; ".join(notes)
+
+
+def render_grey(description, voxels, spacing):
     single = description["lighting"]["model"] == "shadowed_scattering"
-    chromatic = len(set(description["lighting"]["extinction"])) > 1
     integrator = mi.load_dict(
         {
-            "type": "volpathmis" if chromatic else "volpath",
+            "type": "volpath",
             "max_depth": 2 if single else -1,
             "rr_depth": 1 << 20,
             "hide_emitters": True,

@@ -150,7 +150,7 @@ fn names_that_this_version_lacks_are_refused() {
             json!({ "transfer_function": { "preset": "ct_bone" } }),
             "transfer_function.preset: \"ct_bone\" is not available; did you mean \"ct-bone\"? \
              This version has boundaries, colors, ct-angio, ct-bone, ct-lung, ct-muscle-and-skin, ct-soft-tissue, labels, \
-             micro-ct, microscopy, mr-angio, mr-default, simulation",
+             level-set, micro-ct, microscopy, mr-angio, mr-default, simulation",
         ),
     ] {
         assert_eq!(message(parts), expected);

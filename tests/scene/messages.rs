@@ -56,7 +56,7 @@ fn unknown_keys_name_the_nearest_valid_one() {
 fn missing_keys_say_what_to_give() {
     assert_eq!(
         error(parse("{}")),
-        "volume: missing; give an object with channel, labels, level, path, raw, series, strict, timestep"
+        "volume: missing; give an object with channel, color, labels, level, path, raw, series, strict, timestep"
     );
     assert_eq!(
         message(json!({ "camera": { "eye": [0, 0, 0] } })),
@@ -441,7 +441,10 @@ fn colors_of_the_data() {
         parse(&scene.to_string())
     };
     for projection in ["maximum", "minimum", "mean", "xray", "isosurface"] {
-        let march = json!({ "march": { "projection": projection } });
+        let mut march = json!({ "march": { "projection": projection } });
+        if projection == "isosurface" {
+            march["march"]["isosurfaces"] = json!([{ "value": 1 }]);
+        }
         assert!(colors(march.clone(), "transfer_function").is_ok());
         assert_eq!(
             error(colors(march, "data")),

@@ -15,6 +15,10 @@ pub enum Content {
     Ultrasound,
     /// Light or electron microscopy.
     Microscopy,
+    /// A computed field: smoke, say.
+    Simulation,
+    /// Signed distances from a surface, negative inside.
+    LevelSet,
     /// Labels: each value names a segment.
     Labels,
 }

@@ -72,3 +72,14 @@ fn ome_xml_is_of_microscopy() {
     assert_eq!(content("ome.ome.tif"), wanted);
     assert_eq!(content("imagej.tif"), None);
 }
+
+/// The class that OpenVDB gives a grid.
+#[test]
+#[cfg(feature = "formats")]
+fn level_sets_say_so() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+    let content = |name: &str| open(&folder.join(name)).metadata().content.clone();
+    let wanted = Some((Content::LevelSet, "OpenVDB class level set".to_owned()));
+    assert_eq!(content("formats/sphere.vdb"), wanted);
+    assert_eq!(content("geometry/vdb/xp_yp_zp.vdb"), None);
+}

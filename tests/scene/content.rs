@@ -43,6 +43,8 @@ fn files_have_the_first_word() {
         (Content::Mr, Modality::Mr),
         (Content::Labels, Modality::Labels),
         (Content::Microscopy, Modality::Microscopy),
+        (Content::Simulation, Modality::Simulation),
+        (Content::LevelSet, Modality::LevelSet),
         (Content::Nuclear, Modality::Nuclear),
         (Content::Ultrasound, Modality::Ultrasound),
         // CT that is not in Hounsfield units.

@@ -56,7 +56,7 @@ fn unknown_keys_name_the_nearest_valid_one() {
 fn missing_keys_say_what_to_give() {
     assert_eq!(
         error(parse("{}")),
-        "volume: missing; give an object with channel, labels, level, path, procedural, raw, series, strict, timestep"
+        "volume: missing; give an object with channel, color, labels, level, path, raw, series, strict, timestep"
     );
     assert_eq!(
         message(json!({ "camera": { "eye": [0, 0, 0] } })),
@@ -150,7 +150,7 @@ fn names_that_this_version_lacks_are_refused() {
             json!({ "transfer_function": { "preset": "ct_bone" } }),
             "transfer_function.preset: \"ct_bone\" is not available; did you mean \"ct-bone\"? \
              This version has boundaries, colors, ct-angio, ct-bone, ct-lung, ct-muscle-and-skin, ct-soft-tissue, labels, \
-             micro-ct, microscopy, mr-angio, mr-default, simulation",
+             level-set, micro-ct, microscopy, mr-angio, mr-default, simulation",
         ),
     ] {
         assert_eq!(message(parts), expected);
@@ -251,7 +251,7 @@ fn ranges() {
         ),
         (
             json!({ "volume": { "path": "" } }),
-            "volume.path: missing or empty; give a file, or \"procedural\" in its place",
+            "volume.path: empty; give a file",
         ),
         (
             json!({ "volume": { "path": "x", "raw": { "size": [8, 1, 8], "type": "u8" } } }),
@@ -441,7 +441,10 @@ fn colors_of_the_data() {
         parse(&scene.to_string())
     };
     for projection in ["maximum", "minimum", "mean", "xray", "isosurface"] {
-        let march = json!({ "march": { "projection": projection } });
+        let mut march = json!({ "march": { "projection": projection } });
+        if projection == "isosurface" {
+            march["march"]["isosurfaces"] = json!([{ "value": 1 }]);
+        }
         assert!(colors(march.clone(), "transfer_function").is_ok());
         assert_eq!(
             error(colors(march, "data")),

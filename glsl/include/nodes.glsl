@@ -20,7 +20,7 @@ EndsRun next_run(Ray ray, uint i, uint count, float shift) {
     do {
         vec3 p_ix = node_position(ray, i, count, shift);
         Region region = region_at(p_ix, block_of(p_ix));
-        inside = samples_before(steps_to_border(p_ix, ray.step_ix, region.low_ix, region.high_ix));
+        inside = run_length(region, p_ix, ray.step_ix);
         leap = region.empty ? min(inside - 1u, count - i) : 0u;
         i += leap;
         inside = region.empty ? 1u : inside;

@@ -25,9 +25,9 @@ pub(crate) const MULTIPLE: [(&str, u32); 7] = [
     ("box_thick_constant", 32),
     ("box_forward", 256),
     ("cloud_sun", 128),
-    ("cloud_chromatic", 64),
+    ("cloud_chromatic", 256),
     ("blobs_sky", 32),
-    ("blobs_spot", 32),
+    ("blobs_spot", 128),
 ];
 /// Edge of those blocks, pixels.
 pub(crate) const BLOCK: u32 = 8;

@@ -251,7 +251,7 @@ fn ranges() {
         ),
         (
             json!({ "volume": { "path": "" } }),
-            "volume.path: empty; give a file",
+            "volume.path: missing or empty; give a file, or \"procedural\" in its place",
         ),
         (
             json!({ "volume": { "path": "x", "raw": { "size": [8, 1, 8], "type": "u8" } } }),

@@ -33,7 +33,7 @@ fn headless() -> Headless {
 /// One picture of a scene, and no message of the validation layer.
 fn picture(headless: &Headless, volume: &Arc<Volume>, scene: &Scene) -> Picture {
     let mut session = headless.load(Arc::clone(volume), scene).expect("a session");
-    while session.refine_light().expect("a step of the solver") {}
+    while session.refine_light().expect("light") {}
     let picture = session.frame().expect("a picture");
     assert_eq!(headless.validation_messages(), Vec::<String>::new());
     picture

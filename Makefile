@@ -1,16 +1,17 @@
 # The targets are thin: without make, run the scripts.
 
-.PHONY: help demo test figures gallery bench shaders
+.PHONY: help demo test figures gallery bench bench-report shaders
 
 help:
 	@echo 'make demo      render the CT in data/ into out/'
 	@echo 'make test      run every test'
 	@echo 'make figures   render docs/figures/ and measure docs/results.md'
 	@echo 'make gallery   draw every volume at hand into docs/gallery.png'
-	@echo 'make bench     measure on this machine'
+	@echo 'make bench     measure on this machine, about a minute'
+	@echo 'make bench-report   measure for the record, beside VTK, about ten minutes; docs/performance.md'
 	@echo 'make shaders   compile glsl/ into spirv/ (needs glslc)'
 	@echo
-	@echo 'demo, test, figures, gallery and bench first install what is missing (apt-get, as root or with sudo).'
+	@echo 'demo, test, figures, gallery, bench and bench-report first install what is missing (apt-get, as root or with sudo).'
 
 demo:
 	@scripts/demo.sh
@@ -26,7 +27,10 @@ gallery:
 
 bench:
 	@scripts/setup.sh run
-	cargo bench
+	cargo bench --bench gpu
+
+bench-report:
+	@scripts/bench-report.sh
 
 shaders:
 	cargo xtask shaders

@@ -1,230 +1,29 @@
-//! What is measured of a field.
+//! Pictures and light, each in turn with its limit, so that both meet the same clock rates and the same load.
 
 use std::sync::Arc;
 
-use serde::Serialize;
 use umbravox::Result;
-use umbravox::headless::{Headless, LightStats, Session, Stats};
+use umbravox::headless::{FrameTime, Headless, Session};
 use umbravox::renderer::Settings;
 use umbravox::scene::{
-    AmbientOcclusion, Camera, Image, Lighting, March, Scene, Shading, Storage, VolumeSource,
+    AmbientOcclusion, Camera, Classification, Image, Lighting, March, Scene, Shading, Storage,
+    VolumeSource,
 };
+use umbravox::volume::Volume;
 
 use crate::fields::Field;
+use crate::figures::{Case, Light, Picture, Spread};
 
-/// How much is measured.
-#[derive(Debug, Serialize)]
-pub(crate) struct Plan {
-    /// Edge of the procedural volumes, voxels.
-    pub(crate) size: u32,
-    /// Edge of the pictures, pixels.
-    pub(crate) image: u32,
-    /// Measured pictures of a kind, after one that is not counted.
-    pub(crate) repeats: u32,
-    /// Traced directions of light.
-    pub(crate) rays: u32,
-}
+/// Bytes of a pixel: the picture, and what the headless renderer measures beside it.
+const PIXEL_BYTES: u64 = 2 * 16;
 
-impl Plan {
-    pub(crate) fn full(size: u32, image: u32) -> Self {
-        Self {
-            size,
-            image,
-            repeats: 5,
-            rays: 6,
-        }
-    }
-
-    /// Enough to see that everything runs.
-    pub(crate) fn smoke() -> Self {
-        Self {
-            size: 24,
-            image: 16,
-            repeats: 1,
-            rays: 2,
-        }
-    }
-}
-
-/// Figures of one field.
-#[derive(Debug, Serialize)]
-pub(crate) struct Measured {
-    pub(crate) field: &'static str,
-    /// Share of the voxels that the transfer function shows.
-    pub(crate) visible: f64,
-    pub(crate) pictures: Vec<Picture>,
-    pub(crate) light: Option<Light>,
-}
-
-/// Figures of one kind of picture.
-#[derive(Debug, Serialize)]
-pub(crate) struct Picture {
-    pub(crate) kind: &'static str,
-    /// Voxels.
-    pub(crate) step: f64,
-    /// From the start of recording to completion.
-    pub(crate) frame_ms: Spread,
-    /// The march alone, on the device.
-    pub(crate) march_ms: Spread,
-    /// The bare march of the same rays, on the device.
-    pub(crate) bare_ms: Spread,
-    pub(crate) samples: u64,
-    pub(crate) bare_samples: u64,
-}
-
-impl Picture {
-    /// Samples per second.
-    pub(crate) fn rate(&self) -> f64 {
-        self.samples as f64 / (self.march_ms.median * 1e-3)
-    }
-
-    /// Samples per second of the bare march.
-    pub(crate) fn limit(&self) -> f64 {
-        self.bare_samples as f64 / (self.bare_ms.median * 1e-3)
-    }
-}
-
-/// Figures of the light pass.
-#[derive(Debug, Serialize)]
-pub(crate) struct Light {
-    pub(crate) ms_per_ray: f64,
-    /// Voxels that light is computed for.
-    pub(crate) voxels: u64,
-}
-
-impl Light {
-    pub(crate) fn ms_per_million_voxels(&self) -> f64 {
-        self.ms_per_ray / (self.voxels as f64 * 1e-6)
-    }
-}
-
-#[derive(Debug, Serialize)]
-pub(crate) struct Spread {
-    pub(crate) min: f64,
-    pub(crate) median: f64,
-    pub(crate) max: f64,
-}
-
-impl Spread {
-    fn of(mut values: Vec<f64>) -> Self {
-        values.sort_by(f64::total_cmp);
-        let at = |place: usize| values.get(place).copied().unwrap_or(f64::NAN);
-        Self {
-            min: at(0),
-            median: at(values.len() / 2),
-            max: at(values.len().saturating_sub(1)),
-        }
-    }
-}
-
-/// A kind of picture.
-struct Kind {
-    name: &'static str,
-    step: f64,
-    shading: Shading,
-    lit: bool,
-}
-
-const fn kind(name: &'static str, step: f64, shading: Shading, lit: bool) -> Kind {
-    Kind {
-        name,
-        step,
-        shading,
-        lit,
-    }
-}
-
-const KINDS: [Kind; 4] = [
-    kind("plain", 1.0, Shading::None, false),
-    kind("plain", 0.5, Shading::None, false),
-    kind("diffuse", 1.0, Shading::Diffuse, false),
-    kind("LAO", 1.0, Shading::None, true),
-];
-
-/// Measures everything of a field.
-///
-/// # Errors
-/// As [`Session::frame`].
-pub(crate) fn field(headless: &Headless, field: &Field, plan: &Plan) -> Result<Measured> {
-    let mut measured = Measured {
-        field: field.name,
-        visible: visible_share(field)?,
-        pictures: Vec::new(),
-        light: None,
+/// A scene that draws `case`.
+pub(crate) fn scene(field: &Field, case: &Case) -> Scene {
+    let classification = if case.preintegrated {
+        Classification::Preintegrated
+    } else {
+        Classification::Post
     };
-    for kind in &KINDS {
-        let scene = scene(field, kind, plan);
-        let mut session = headless.load(Arc::clone(&field.volume), &scene)?;
-        while session.refine_light()? {}
-        measured
-            .pictures
-            .push(picture(&mut session, field, &scene, kind, plan)?);
-        if let Some(LightStats {
-            ms_per_ray, voxels, ..
-        }) = session.stats()?.lao
-        {
-            measured.light = Some(Light { ms_per_ray, voxels });
-        }
-    }
-    Ok(measured)
-}
-
-/// Measures pictures and bare marches in turn, so that both meet the same clock rates and the same load.
-fn picture(
-    session: &mut Session,
-    field: &Field,
-    scene: &Scene,
-    kind: &Kind,
-    plan: &Plan,
-) -> Result<Picture> {
-    let bare_samples = all_samples(session, field, scene)?;
-    let (mut frame_ms, mut march_ms, mut bare_ms) = (Vec::new(), Vec::new(), Vec::new());
-    let mut samples = 0;
-    for repeat in 0..=plan.repeats {
-        let frame = session.timed_frame()?;
-        let bare = session.timed_bare_march()?;
-        if repeat == 0 {
-            continue; // pipelines were built
-        }
-        let stats = session.stats()?;
-        samples = stats.samples.taken;
-        frame_ms.push(frame);
-        march_ms.push(pass_ms(&stats, "march").unwrap_or(frame));
-        bare_ms.push(pass_ms(&stats, "bare").unwrap_or(bare));
-    }
-    Ok(Picture {
-        kind: kind.name,
-        step: kind.step,
-        frame_ms: Spread::of(frame_ms),
-        march_ms: Spread::of(march_ms),
-        bare_ms: Spread::of(bare_ms),
-        samples,
-        bare_samples,
-    })
-}
-
-/// Samples of a picture that skips nothing and ends no ray early, as the bare march takes them.
-fn all_samples(session: &mut Session, field: &Field, scene: &Scene) -> Result<u64> {
-    let mut whole = scene.clone();
-    whole.march.empty_space_skipping = false;
-    whole.march.early_termination = 1.0;
-    session.set_settings(Settings::of_scene(&whole, &field.volume)?)?;
-    session.timed_frame()?;
-    let samples = session.stats()?.samples.taken;
-    session.set_settings(Settings::of_scene(scene, &field.volume)?)?;
-    Ok(samples)
-}
-
-/// Time of a pass on the device; `None` without timestamps.
-fn pass_ms(stats: &Stats, name: &str) -> Option<f64> {
-    stats
-        .passes
-        .iter()
-        .find(|p| p.name == name)
-        .map(|p| p.gpu_ms)
-}
-
-fn scene(field: &Field, kind: &Kind, plan: &Plan) -> Scene {
     Scene {
         volume: VolumeSource {
             path: field.name.into(),
@@ -232,32 +31,190 @@ fn scene(field: &Field, kind: &Kind, plan: &Plan) -> Scene {
         },
         camera: Camera::default(),
         image: Image {
-            size: [plan.image; 2],
+            size: [case.image; 2],
             ..Default::default()
         },
-        transfer_function: field.transfer_function.clone(),
+        transfer_function: field.transfer_function(),
         march: March {
-            step: kind.step,
+            step: case.step,
+            classification: Some(classification),
             ..Default::default()
         },
         lighting: Lighting {
-            shading: kind.shading,
+            shading: if case.shaded {
+                Shading::Diffuse
+            } else {
+                Shading::None
+            },
             ..Default::default()
         },
-        ambient_occlusion: kind.lit.then(|| AmbientOcclusion {
-            rays: plan.rays,
+        ambient_occlusion: (case.rays > 0).then(|| AmbientOcclusion {
+            rays: case.rays,
             ..Default::default()
         }),
         storage: Storage::default(),
     }
 }
 
+/// A picture and the bare march, in turn.
+///
+/// # Errors
+/// As [`Headless::load`] and [`Session::frame`].
+pub(crate) fn picture(
+    headless: &Headless,
+    field: &Field,
+    volume: &Arc<Volume>,
+    case: &Case,
+    repeats: u32,
+) -> Result<Picture> {
+    let scene = scene(field, case);
+    let mut session = headless.load(Arc::clone(volume), &scene)?;
+    let bare_samples = all_samples(&mut session, volume, &scene)?;
+    let clock = Clock::of(headless);
+    let (mut frames, mut march_ms, mut bare_ms) = (Vec::new(), Vec::new(), Vec::new());
+    for repeat in 0..=repeats {
+        let frame = session.timed_frame()?;
+        let march = clock.device_ms(&session, "march", frame);
+        let bare = session.timed_bare_march()?;
+        let bare = clock.device_ms(&session, "bare", bare);
+        if repeat > 0 {
+            frames.push(frame);
+            march_ms.push(march);
+            bare_ms.push(bare);
+        }
+    }
+    session.timed_frame()?;
+    let stats = session.stats()?;
+    Ok(Picture {
+        case: case.clone(),
+        size: volume.size(),
+        visible: visible_share(field, volume)?,
+        frame_ms: wall(&frames),
+        cpu_ms: cpu(&frames),
+        march_ms: Spread::of(march_ms),
+        bare_ms: Spread::of(bare_ms),
+        samples: stats.samples.taken,
+        bare_samples,
+        voxel_bytes: volume.voxels().len() as u64 * volume.voxels().voxel_type().bytes() as u64,
+        resident_bytes: stats.memory.device_bytes - PIXEL_BYTES * u64::from(case.image).pow(2),
+        uploaded_bytes: stats.memory.uploaded_bytes,
+    })
+}
+
+/// Light of `case.rays` directions and bare light, in turn; `None` where samples cannot be counted.
+///
+/// # Errors
+/// As [`picture`].
+pub(crate) fn light(
+    headless: &Headless,
+    field: &Field,
+    volume: &Arc<Volume>,
+    case: &Case,
+) -> Result<Option<Light>> {
+    let mut session = headless.load(Arc::clone(volume), &scene(field, case))?;
+    let clock = Clock::of(headless);
+    let (mut trace_ms, mut bare_ms) = (Vec::new(), Vec::new());
+    // Once for the pipelines, then once for each direction.
+    for repeat in 0..=case.rays {
+        // Each bare direction starts the light again: both sides trace the first direction.
+        let trace = session.timed_light()?;
+        let trace = trace.map(|time| clock.device_ms(&session, "light", time));
+        let bare = session.timed_bare_light()?;
+        let bare = bare.map(|time| clock.device_ms(&session, "bare_light", time));
+        if let (1.., Some(trace), Some(bare)) = (repeat, trace, bare) {
+            trace_ms.push(trace);
+            bare_ms.push(bare);
+        }
+    }
+    let Some(samples) = session.count_light_samples()? else {
+        return Ok(None);
+    };
+    let (Some(ao), Some(stats)) = (
+        session.settings().ambient_occlusion.clone(),
+        session.stats()?.lao,
+    ) else {
+        return Ok(None);
+    };
+    let parts = u64::from(ao.samples_per_ray());
+    Ok(Some(Light {
+        field: field.name.to_owned(),
+        size: volume.size(),
+        rays: case.rays,
+        trace_ms: Spread::of(trace_ms),
+        bare_ms: Spread::of(bare_ms),
+        voxels: stats.voxels,
+        samples,
+        bare_samples: stats.voxels * parts,
+        brute_force_samples: volume.voxels().len() as u64 * u64::from(case.rays) * parts,
+    }))
+}
+
+/// How long a device works.
+pub(crate) enum Clock {
+    /// By its timestamps.
+    Timestamps,
+    /// The processor is the device: processor time over the cores, which other work on the machine does not stretch.
+    Processor { cores: f64 },
+}
+
+impl Clock {
+    pub(crate) fn of(headless: &Headless) -> Self {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        match headless.device().device_type.as_str() {
+            "cpu" => Self::Processor {
+                cores: cores as f64,
+            },
+            _ => Self::Timestamps,
+        }
+    }
+
+    /// Of the last pass of this name, which was all of `time`'s work on the device.
+    pub(crate) fn device_ms(&self, session: &Session, pass: &str, time: FrameTime) -> f64 {
+        match (self, time.cpu_ms) {
+            (Self::Processor { cores }, Some(cpu_ms)) => cpu_ms / cores,
+            _ => pass_ms(session, pass).unwrap_or(time.wall_ms),
+        }
+    }
+}
+
+/// By the clock.
+pub(crate) fn wall(times: &[FrameTime]) -> Spread {
+    Spread::of(times.iter().map(|time| time.wall_ms).collect())
+}
+
+fn cpu(times: &[FrameTime]) -> Option<Spread> {
+    let times: Option<Vec<f64>> = times.iter().map(|time| time.cpu_ms).collect();
+    times.map(Spread::of)
+}
+
+/// Samples of a picture that skips nothing and ends no ray early, as the bare march takes them.
+fn all_samples(session: &mut Session, volume: &Volume, scene: &Scene) -> Result<u64> {
+    let mut whole = scene.clone();
+    whole.march.empty_space_skipping = false;
+    whole.march.early_termination = 1.0;
+    whole.march.classification = Some(Classification::Post);
+    whole.lighting.shading = Shading::None;
+    session.set_settings(Settings::of_scene(&whole, volume)?)?;
+    session.timed_frame()?;
+    let samples = session.stats()?.samples.taken;
+    session.set_settings(Settings::of_scene(scene, volume)?)?;
+    Ok(samples)
+}
+
+/// Time of a pass on the device; `None` without timestamps.
+fn pass_ms(session: &Session, name: &str) -> Option<f64> {
+    let passes = session.passes();
+    passes.iter().find(|p| p.name == name).map(|p| p.gpu_ms)
+}
+
 /// Share of the voxels that the transfer function shows.
-fn visible_share(field: &Field) -> Result<f64> {
-    let volume = &field.volume;
-    let curve = field.transfer_function.curve(volume, Default::default())?;
+fn visible_share(field: &Field, volume: &Volume) -> Result<f64> {
+    use rayon::prelude::*;
+    let curve = field
+        .transfer_function()
+        .curve(volume, Default::default())?;
     let voxels = volume.voxels();
-    let shown = (0..voxels.len()).filter(|&at| {
+    let shown = (0..voxels.len()).into_par_iter().filter(|&at| {
         let value = volume.value_from_stored(voxels.get(at));
         curve.evaluate(value).opacity > 0.0
     });

@@ -21,6 +21,9 @@ layout(push_constant) uniform Push { LightPush push; };
 // Opacity below which the rest of a ray cannot matter: it adds less than this to the light.
 const float DARK = 1e-5;
 
+// Writes how many samples were taken instead of the light (the bench).
+layout(constant_id = SPEC_COUNT) const bool COUNT = false;
+
 // Growth of the step for coarse bricks: 1 at the finest level, 8.5 at level 0.
 float step_growth(int level) {
     float resolution = float(1 << level);
@@ -35,6 +38,7 @@ struct Gathered {
     float pending;
     float light;
     vec3 emitted;
+    uint samples;
 };
 
 void gather(inout Gathered g, float opacity, vec3 emission) {
@@ -52,7 +56,8 @@ void gather(inout Gathered g, float opacity, vec3 emission) {
     }
 }
 
-// Light from one direction: rgb with emission, a without. Outside the field nothing absorbs or emits.
+// Light from one direction: rgb with emission, a without; or how many samples that took. Outside the field nothing absorbs
+// or emits.
 vec4 light_along(vec3 p_ix, int level) {
     float extent_mm = push.radius_mm - push.offset_mm;
     uint parts = uint(max(ceil(push.parts / step_growth(level) - 1e-4), 1.0));
@@ -62,7 +67,7 @@ vec4 light_along(vec3 p_ix, int level) {
     float share = push.parts / float(parts);
 
     float longest_step = max(abs(step_ix.x), max(abs(step_ix.y), abs(step_ix.z)));
-    Gathered g = Gathered(1.0, 0.0, 0.0, vec3(0.0));
+    Gathered g = Gathered(1.0, 0.0, 0.0, vec3(0.0), 0u);
     uint m = 0u;
     while (m < parts && g.transparency >= DARK) {
         precise vec3 sample_ix = start_ix + (float(m) + 0.5) * step_ix;
@@ -82,12 +87,16 @@ vec4 light_along(vec3 p_ix, int level) {
             m += run;
             continue;
         }
+        g.samples += 1u;
         Classified c = classify_light(reconstruct_linear(brick, brick_local(brick, sample_ix)), unit_exponent);
         // Coarse bricks take longer samples than the table is made for.
         float opacity = UNIFORM_GRID ? c.opacity : opacity_over(c.opacity, share);
         bool hidden = is_hidden(sample_ix);
         gather(g, hidden ? 0.0 : opacity, hidden ? vec3(0.0) : c.emission);
         ++m;
+    }
+    if (COUNT) {
+        return vec4(float(g.samples));
     }
     float light = g.light + g.transparency * g.pending;
     return vec4(vec3(light) + g.emitted, light) / float(parts);
@@ -109,7 +118,12 @@ void main() {
             return;
         }
     }
-    vec4 light = push.weight * light_along(sample_position_ix(brick, s.local), brick.level);
+    vec4 light = light_along(sample_position_ix(brick, s.local), brick.level);
     vec4 mean = push.ray == 0u ? vec4(0.0) : imageLoad(i_light, s.sample_at);
+    if (COUNT) {
+        imageStore(i_light, s.sample_at, mean + light);
+        return;
+    }
+    light *= push.weight;
     imageStore(i_light, s.sample_at, round_to_half(mean + (light - mean) / float(push.ray + 1u)));
 }

@@ -20,6 +20,7 @@
 #include "gradient.glsl"
 #include "shade.glsl"
 #include "labels.glsl"
+#include "data_color.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -50,6 +51,7 @@ bool is_searched() {
 void add_segment(inout Accumulated acc, Ray ray, Brick b, Segment segment, Classified c) {
     acc.samples += 1u;
     vec3 p_ix = ray_position(ray, segment.middle, volume.field_ix);
+    apply_data_color(b, p_ix, c.color);
     apply_label(p_ix, c.color, c.opacity);
     if (XRAY) {
         acc.optical_depth += optical_depth(c.opacity);
@@ -68,8 +70,6 @@ void add_segment(inout Accumulated acc, Ray ray, Brick b, Segment segment, Class
 #include "march_ends.glsl"
 
 void main() {
-    volume = volume_block;
-    frame = frame_block;
     uvec2 px = frame_pixel();
     if (is_outside(px)) {
         return;

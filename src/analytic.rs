@@ -54,3 +54,50 @@ pub fn color_ramp(first: f64, last: f64, extinction: f64, length: f64) -> f64 {
     let transparency = (-depth).exp();
     first * (1.0 - transparency) + (last - first) * (1.0 - transparency * (1.0 + depth)) / depth
 }
+
+/// Mean of `exp(-x s)` over `s` in `[0,1]`, of an optical depth `x`: `(1 - exp(-x)) / x`, 1 for 0.
+pub fn mean_transmittance(depth: f64) -> f64 {
+    if depth == 0.0 {
+        1.0
+    } else {
+        -(-depth).exp_m1() / depth
+    }
+}
+
+/// One channel of a homogeneous medium that adds `source` per mm whatever its extinction (per mm), over a background
+/// (Max 1995, eq. 7): `I = I0 T + g (1 - T) / tau`, `I0 + g L` without extinction.
+pub fn glow(source: f64, background: f64, extinction: f64, length: f64) -> f64 {
+    let depth = extinction * length;
+    background * (-depth).exp() + source * length * mean_transmittance(depth)
+}
+
+/// A homogeneous slab that parallel light falls on from above.
+#[derive(Clone, Copy, Debug)]
+pub struct LitSlab {
+    /// Optical depth straight through.
+    pub depth: f64,
+    /// Cosine of the angle between the light and the normal, in (0,1].
+    pub cos_light: f64,
+    /// Albedo times the phase function for the angle of scattering (1/sr) times the irradiance across the beam.
+    pub scattered: f64,
+}
+
+impl LitSlab {
+    /// Radiance scattered once and leaving at the side of the light, `cos_eye` in (0,1] from the normal
+    /// (Chandrasekhar 1950): `S mu_0 / (mu_0 + mu) (1 - exp(-tau (1/mu_0 + 1/mu)))`.
+    pub fn reflected(self, cos_eye: f64) -> f64 {
+        let way = 1.0 / self.cos_light + 1.0 / cos_eye;
+        self.scattered / cos_eye * self.depth * mean_transmittance(self.depth * way)
+    }
+
+    /// Radiance scattered once and leaving at the far side: `S mu_0 / (mu_0 - mu) (exp(-tau/mu_0) - exp(-tau/mu))`, its
+    /// limit for equal cosines.
+    pub fn transmitted(self, cos_eye: f64) -> f64 {
+        let difference = 1.0 / self.cos_light - 1.0 / cos_eye;
+        let through = (-self.depth / cos_eye).exp();
+        self.scattered / cos_eye
+            * self.depth
+            * through
+            * mean_transmittance(self.depth * difference)
+    }
+}

@@ -211,6 +211,8 @@ impl Renderer {
             },
             depth,
             aux: None,
+            through: None,
+            exposure: self.settings().exposure.exp2() as f32,
             number: input.index as u32,
             upload_budget: input.upload_budget,
         };

@@ -17,6 +17,11 @@ pub struct Picture {
     pub measure: Vec<f32>,
     /// What `measure` is.
     pub measured: Measured,
+    /// Share of the light from behind that comes through, by channel, where that differs by channel; else it is one minus the
+    /// opacity.
+    pub through: Option<Vec<[f32; 3]>>,
+    /// Variance of every pixel's radiance, of pictures traced by Monte Carlo: that of the mean over its paths.
+    pub variance: Option<Vec<[f32; 3]>>,
     /// Field samples that each ray took.
     pub samples: Vec<u32>,
 }
@@ -35,14 +40,23 @@ pub enum Measured {
 impl Picture {
     /// Radiance of every pixel over a linear `background`: `C + (1 - A) background`.
     pub fn over(&self, background: [f64; 3]) -> impl Iterator<Item = [f64; 3]> {
-        self.rgba.iter().map(move |&[r, g, b, a]| {
-            let transparency = 1.0 - f64::from(a);
-            let over = |c: f32, behind: f64| f64::from(c) + transparency * behind;
-            [
-                over(r, background[0]),
-                over(g, background[1]),
-                over(b, background[2]),
-            ]
+        self.composited(1.0, move |_| background)
+    }
+
+    /// `exposure` times the radiance of every pixel over what is `behind` it, by its number.
+    pub fn composited(
+        &self,
+        exposure: f64,
+        behind: impl Fn(usize) -> [f64; 3],
+    ) -> impl Iterator<Item = [f64; 3]> {
+        self.rgba.iter().enumerate().map(move |(i, &[r, g, b, a])| {
+            let behind = behind(i);
+            let through = match &self.through {
+                Some(through) => through[i].map(f64::from),
+                None => [1.0 - f64::from(a); 3],
+            };
+            let color = [r, g, b].map(f64::from);
+            std::array::from_fn(|c| exposure * color[c] + through[c] * behind[c])
         })
     }
 }

@@ -47,6 +47,8 @@ impl Difference {
                 .map(|g| [g, g, g, 1.0])
                 .collect(),
             depth: vec![0.0; self.by_pixel.len()],
+            through: None,
+            variance: None,
             median_depth: vec![0.0; self.by_pixel.len()],
             measure: vec![0.0; self.by_pixel.len()],
             measured: Measured::ExpectedDepth,

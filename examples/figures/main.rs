@@ -76,7 +76,7 @@ fn load(headless: &Headless, scene: &Scene) -> Result<Loaded> {
         raw: scene.volume.raw.clone(),
         ..Default::default()
     };
-    let volume = Arc::new(io::read(&scene.volume.path, &options)?);
+    let volume = Arc::new(io::volume_of(&scene.volume, &options)?);
     let session = headless.load(Arc::clone(&volume), scene)?;
     Ok(Loaded { volume, session })
 }

@@ -40,13 +40,18 @@ bool is_outside(uvec2 px) {
     return any(greaterThanEqual(px, push.tile_end_px));
 }
 
-// The ray of a pixel, up to the host's geometry.
-Ray frame_ray(uvec2 px) {
-    Ray ray = ray_through(vec2(px) + 0.5, frame, volume.field_ix);
+// The ray through a place within a pixel, up to the host's geometry.
+Ray frame_ray_through(uvec2 px, vec2 within) {
+    Ray ray = ray_through(vec2(px) + within, frame, volume.field_ix);
     if (SCENE_DEPTH) {
         ray.extent = min(ray.extent, steps_to_scene(ivec2(px), ray));
     }
     return ray;
+}
+
+// The ray through the middle of a pixel.
+Ray frame_ray(uvec2 px) {
+    return frame_ray_through(px, vec2(0.5));
 }
 
 // Share of a step that the first segment is shortened by.
@@ -58,8 +63,9 @@ float depth_mm(Ray ray, float steps) {
     return (ray.enter + steps) * frame.step_mm;
 }
 
-// Composites premultiplied `color` over what is behind. `layers`: depth, samples, and two that the pass chooses.
-void frame_store(uvec2 px, vec4 color, vec4 layers) {
+// Composites radiance over what is behind, of which the share `through` comes through. `color`: premultiplied. `layers`: depth,
+// samples, and two that the pass chooses.
+void frame_store_through(uvec2 px, vec4 color, vec3 through, vec4 layers) {
     vec4 behind = frame.background;
 #ifdef BLEND_FORMAT
     behind = imageLoad(i_target, ivec2(px));
@@ -67,7 +73,8 @@ void frame_store(uvec2 px, vec4 color, vec4 layers) {
         behind.rgb = decode_srgb(behind.rgb);
     }
 #endif
-    color += (1.0 - color.a) * behind;
+    color.rgb *= frame.exposure;
+    color += vec4(through, 1.0 - color.a) * behind;
     if (ENCODE_SRGB) {
         color.rgb = encode_srgb(color.rgb);
     }
@@ -75,4 +82,8 @@ void frame_store(uvec2 px, vec4 color, vec4 layers) {
     if (AUX) {
         imageStore(i_aux, ivec2(px), layers);
     }
+}
+
+void frame_store(uvec2 px, vec4 color, vec4 layers) {
+    frame_store_through(px, color, vec3(1.0 - color.a), layers);
 }

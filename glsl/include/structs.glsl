@@ -53,7 +53,7 @@ struct FrameParams {
     uint frame;
     float value_from_sample;  // values in the file's units from texture samples: factor
     float value_offset;       // and summand
-    float pad0;
+    float exposure;           // factor on the radiance that leaves the volume
     float pad1;
     float pad2;
 };
@@ -108,4 +108,53 @@ struct BarePush {
     uvec2 tile_end_px;
     vec3 extent_texel;
     float pad0;
+};
+
+// Optical models beyond emission and absorption: what the medium is and what lights it. Radiance and its like are linear.
+struct MediumParams {
+    vec3 extinction;        // factors on the transfer function's, by channel
+    float sample_mm;        // length of a whole sample of the transfer-function table
+    vec3 albedo;            // factors on the transfer function's colour
+    float unit_exponent;    // the same length in unit distances
+    vec4 phase;             // parameters of the phase function (phase.glsl)
+    vec4 surface;           // strength per unit of a texture sample (signed), weight of highlights, exponent, roughness
+    vec4 tracking;          // largest extinction per mm, least majorant per mm, scatterings of a path at most
+    vec4 environment;       // radiance, or factor on the map; w > 0: drawn behind the volume
+    vec4 environment_x;     // rows: the map's axes in world space; z towards its upper edge
+    vec4 environment_y;
+    vec4 environment_z;
+    vec4 ws_from_ix_x;      // rows of world from index
+    vec4 ws_from_ix_y;
+    vec4 ws_from_ix_z;
+    vec4 ix_from_ws_x;      // rows of index units per mm of world directions
+    vec4 ix_from_ws_y;
+    vec4 ix_from_ws_z;
+    ivec3 shadow_points;    // points of the swept light volume
+    float unit_mm;          // unit distance of the transfer function
+    ivec3 scatter_points;   // points of the volume of scattered light
+    uint light_count;
+    vec4 light_place[8];    // unit vector towards the light, w = 0; or its position, mm, w = 1
+    vec4 light_color[8];    // irradiance, or intensity; w: cutoff angle (radians)
+    vec4 light_axis[8];     // along a spot's beam; w: angle up to which it is whole (radians)
+};
+
+// Part of a sweep of flux.
+struct SweepPush {
+    uint light;
+    uint axis;       // across the layers
+    int layer;
+    int previous;    // layer nearer to the light; the same: the first one
+};
+
+// Scattered light on its grid: one step of a solver.
+struct ScatterPush {
+    vec4 eye;            // position of the eye, mm, w = 1; or the direction towards it, w = 0
+    uint step;           // iteration, or layer of a sweep
+    uint bins;           // directions of the discrete ordinates
+    uint columns;        // tiles of bins side by side in their images; of diffusion the colour; of a gathering the tile
+    uint flags;          // what the step leaves out (scatter_grid.glsl)
+    float over_relaxation;
+    float mean_cosine;   // of the phase function
+    float pad0;
+    float pad1;
 };

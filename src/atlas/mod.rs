@@ -3,21 +3,31 @@
 //! Three things change at different times, and each has a type: [`Store`] with the data, [`Residency`] with
 //! the choice of levels, [`Visibility`] with the transfer function. [`Images`] holds their device side.
 
+mod bins;
+mod colors;
 mod images;
 mod labels;
 mod light_work;
+mod majorant;
+mod medium;
 mod preintegration;
 mod residency;
+mod scatter;
 mod shown;
 mod transfer_table;
 mod upload;
 mod visibility;
 
+pub(crate) use bins::Bins;
+pub(crate) use colors::{COLOR_TEXEL_BYTES, ColorAtlas};
 pub(crate) use images::{Images, LIGHT_TEXEL_BYTES, LightLists, TableImages};
 pub(crate) use labels::LabelImages;
 pub(crate) use light_work::{GROUP, LightWork};
+pub(crate) use majorant::Majorants;
+pub(crate) use medium::{LightGrid, MediumExtents, MediumImages, MediumTexels};
 pub(crate) use preintegration::{Preintegration, ROWS as INTEGRAL_ROWS};
 pub(crate) use residency::{Residency, Store};
+pub(crate) use scatter::{ScatterImages, Solver};
 pub(crate) use shown::Shown;
 pub(crate) use transfer_table::{SampleLengths, SampleScale, TransferTable};
 pub(crate) use upload::{UploadResources, Uploads};

@@ -393,6 +393,7 @@ mod tests {
             color: [1.0, 0.5, value],
             opacity,
             emission: [0.0; 3],
+            source: [0.0; 3],
         };
         let points = [
             (0.2, 0.0),

@@ -64,8 +64,9 @@ pub(crate) struct TransferTable {
 impl TransferTable {
     /// Width of the image that holds a table.
     pub(crate) const MAX_TEXELS: u32 = MAX_BINS as u32 + 2;
-    /// Its rows: colour and opacity at starts and at ends of bins, emission likewise, places in the pre-integrated table.
-    pub(crate) const ROWS: u32 = 5;
+    /// Its rows: colour and opacity at starts and at ends of bins, emission likewise, places in the pre-integrated table, what is
+    /// added whatever the opacity at starts and at ends.
+    pub(crate) const ROWS: u32 = 7;
 
     /// `preintegrated`: with a table over the two ends of a segment.
     pub(crate) fn new(curve: &Curve, samples: SampleScale, preintegrated: bool) -> Self {
@@ -146,7 +147,8 @@ impl TransferTable {
     }
 
     /// Rows of RGBA: colour and the march's opacity at starts and at ends of bins, then emission and the light pass's
-    /// opacity likewise. With pre-integration a fifth: where on an axis of its table each bin starts (r) and ends (g).
+    /// opacity likewise. With pre-integration a fifth: where on an axis of its table each bin starts (r) and ends (g). Then the
+    /// light added per unit distance whatever the opacity, at starts and at ends.
     ///
     /// Opacities are over a whole sample of each pass wherever that is linear in the bin. Elsewhere they are the function's own,
     /// and the end is marked as `-1 - opacity` (`bin_opacity` in glsl/include/classify.glsl).
@@ -164,6 +166,9 @@ impl TransferTable {
             ];
             for (row, ([r, g, b], a)) in rows.into_iter().enumerate() {
                 texels[row * bins + bin] = [r, g, b, a].map(|c| c as f32);
+            }
+            for (row, [r, g, b]) in [(5, start.source), (6, end.source)] {
+                texels[row * bins + bin] = [r, g, b, 0.0].map(|c| c as f32);
             }
         }
         if let Some(table) = &self.preintegration {
@@ -183,6 +188,29 @@ impl TransferTable {
                 .iter()
                 .any(|&length| bin_opacities(start.opacity, end.opacity, length)[1] < -0.5)
         })
+    }
+
+    /// Length that opacities refer to, mm.
+    pub(super) fn unit_mm(&self) -> f64 {
+        self.curve.unit_distance
+    }
+
+    /// Largest opacity over the unit distance of each bin.
+    pub(super) fn largest_by_bin(&self) -> Vec<f64> {
+        let bins = self.starts.iter().zip(&self.ends);
+        bins.map(|(start, end)| start.opacity.max(end.opacity))
+            .collect()
+    }
+
+    /// First and last bin that values in a range may fall into, and one more on either side for what the device may be off by.
+    pub(super) fn bins_of(&self, range: [f64; 2]) -> [usize; 2] {
+        let (scale, first) = self.bin_from_sample();
+        let mut x = range.map(|v| (self.samples.sample(v) - first) * scale);
+        x.sort_by(f64::total_cmp);
+        let last = self.bins() - 1;
+        // `as` saturates below at 0.
+        let bin = |x: f64| (x as usize).min(last);
+        [bin(x[0]), bin(x[1] + 2.0)]
     }
 
     fn at(&self, bin: usize, fraction: f64) -> bool {
@@ -216,7 +244,7 @@ fn bin_opacities(start: f64, end: f64, length: f64) -> [f64; 2] {
 }
 
 fn shows(o: &Optical) -> bool {
-    o.opacity > 0.0 || o.emission.iter().any(|&e| e > 0.0)
+    o.opacity > 0.0 || o.emission.iter().chain(&o.source).any(|&e| e > 0.0)
 }
 
 /// The number of bins that puts control points nearest to bin borders; the largest such.
@@ -247,7 +275,7 @@ impl Classify for TransferTable {
     fn premultiplied(&self, value: f64) -> [f32; 7] {
         let o = self.curve.evaluate(value);
         let [r, g, b] = o.color.map(|c| (c * o.opacity) as f32);
-        let [er, eg, eb] = o.emission.map(|e| e as f32);
+        let [er, eg, eb] = std::array::from_fn(|i| (o.emission[i] + o.source[i]) as f32);
         [r, g, b, o.opacity as f32, er, eg, eb]
     }
 
@@ -301,6 +329,7 @@ mod tests {
                 color: [value.abs() / 1000.0, 0.5, 1.0 - value.abs() / 1000.0],
                 opacity,
                 emission: [0.0; 3],
+                source: [0.0; 3],
             })
             .collect();
         Curve::new(1.0, &points, ColorManagement::None)

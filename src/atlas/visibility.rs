@@ -70,7 +70,7 @@ impl Visibility {
     }
 
     /// How far beyond a skip cell a filter looks; `None` for those that do not.
-    fn reach(residency: &Residency, interpolation: Interpolation) -> Option<Reach> {
+    pub(super) fn reach(residency: &Residency, interpolation: Interpolation) -> Option<Reach> {
         if !interpolation.is_cubic() {
             return None;
         }

@@ -102,6 +102,7 @@ pub fn point(value: f64, color: [f64; 3], opacity: f64) -> ControlPoint {
         color,
         opacity,
         emission: [0.0; 3],
+        source: [0.0; 3],
     }
 }
 

@@ -1,6 +1,8 @@
 //! Rendering without a host: a device of our own, pictures read back.
 
+mod frame_time;
 mod light_volume;
+mod limits;
 mod probe;
 mod provenance;
 mod stats;
@@ -9,27 +11,34 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use ash::vk;
 
+use self::frame_time::Stopwatch;
 use crate::embed::record_owned;
 use crate::error::{Error, Result};
 use crate::gpu::memory::MemoryLocation;
-use crate::gpu::{Buffer, CopyBox, HostMemory, Image, ImageInfo, OwnedDevice, OwnedDeviceInfo};
+use crate::gpu::{
+    Buffer, Context, CopyBox, HostMemory, Image, ImageInfo, OwnedDevice, OwnedDeviceInfo,
+};
 use crate::picture::{Measured, Picture};
 use crate::renderer::{Frame, FrameReport, FrameTarget, RayBasis, Renderer, Settings, Work};
-use crate::scene::{RayProjection, Scene, View};
+use crate::scene::{OpticalModel, RayProjection, Scene, View};
 use crate::volume::Volume;
 
 pub use crate::gpu::DeviceInfo;
+pub use frame_time::FrameTime;
 pub use light_volume::LightVolume;
 pub use probe::{Hit, PixelProbe};
 pub use provenance::Provenance;
 pub use stats::{
-    BlockStats, DeviceStats, ImageStats, LightStats, MemoryStats, PassStats, SampleStats, Stats,
+    BlockStats, DeviceStats, ImageStats, LightStats, MemoryStats, PassStats, SampleStats,
+    ScatteringStats, Stats,
 };
 
 /// Bytes of bricks uploaded by one submission.
 const UPLOAD_BYTES: usize = 64 << 20;
 /// Bytes of an image read back by one submission.
 const READ_BACK_BYTES: u64 = 64 << 20;
+/// Paths of a pixel before its noise says something.
+const LEAST_PATHS: u32 = 16;
 /// Linear radiance and opacity.
 const PICTURE_FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 const PICTURE_TEXEL_BYTES: u64 = 16;
@@ -143,8 +152,9 @@ fn lock(device: &SharedDevice) -> std::sync::MutexGuard<'_, OwnedDevice> {
 }
 
 /// What the shaders measure besides colour.
-fn measured(projection: RayProjection) -> Measured {
-    match projection {
+fn measured(settings: &Settings) -> Measured {
+    match settings.march.projection {
+        _ if settings.lighting.model == OpticalModel::Absorption => Measured::OpticalDepth,
         RayProjection::Composite | RayProjection::Isosurface => Measured::ExpectedDepth,
         RayProjection::Xray => Measured::OpticalDepth,
         RayProjection::Maximum | RayProjection::Minimum | RayProjection::Mean => Measured::Value,
@@ -157,6 +167,8 @@ pub struct Session {
     target: Image,
     /// Depth, sample count, median depth, and what the projection measures.
     aux: Image,
+    /// What comes through each channel, where extinctions differ.
+    through: Option<Image>,
     view: View,
     times: stats::Times,
     /// Sample counts of the last picture, once read back.
@@ -182,24 +194,15 @@ impl Session {
                 format!("{width} x {height} is beyond this device's {limit} x {limit}"),
             ));
         }
-        let image = |name| {
-            Image::new(
-                &context,
-                &ImageInfo {
-                    name,
-                    extent: [width, height, 1],
-                    format: PICTURE_FORMAT,
-                    three_dimensional: false,
-                    usage: vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_SRC,
-                },
-            )
-        };
+        let image = |name| picture_image(&context, name, [width, height]);
+        let through = through_image(&context, [width, height], &settings)?;
         let mut renderer = Renderer::new(&context, volume, settings)?;
         renderer.set_tile(tile);
         let mut session = Self {
             renderer,
             target: image("umbravox.picture")?,
             aux: image("umbravox.picture.aux")?,
+            through,
             view,
             times: stats::Times::default(),
             samples: None,
@@ -243,7 +246,9 @@ impl Session {
     /// # Errors
     /// As [`Renderer::set_settings`].
     pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
+        let through = through_image(self.renderer.context(), self.size(), &settings)?;
         self.renderer.set_settings(settings)?;
+        self.through = through;
         self.samples = None;
         if self.renderer.loaded().light_progress().0 == 0 {
             self.times.restart_light();
@@ -259,15 +264,28 @@ impl Session {
         self.renderer.settings()
     }
 
-    /// One picture with the light as far as it has come, read back. Its number, for the jitter, is the number of directions
-    /// traced.
+    /// One picture with the light as far as it has come, read back; of Monte Carlo with all its paths. Its number, for the
+    /// jitter, is the number of directions traced.
     ///
     /// # Errors
     /// [`Error::DeviceLost`], [`Error::Vulkan`], [`Error::OutOfMemory`].
     pub fn frame(&mut self) -> Result<Picture> {
-        self.timed_frame()?;
+        while self.refine_paths()? {}
+        self.timed_frame_unless_traced()?;
         let rgba = texels(&self.read_back(&self.target, PICTURE_TEXEL_BYTES)?);
         let aux: Vec<[f32; 4]> = texels(&self.read_back(&self.aux, PICTURE_TEXEL_BYTES)?);
+        let through = self
+            .through
+            .as_ref()
+            .map(|through| self.read_back(through, PICTURE_TEXEL_BYTES))
+            .transpose()?
+            .map(|bytes| {
+                texels(&bytes)
+                    .into_iter()
+                    .map(|[r, g, b, _]| [r, g, b])
+                    .collect()
+            });
+        let variance = self.moments()?.map(|(_, variance)| variance);
         let samples: Vec<u32> = aux.iter().map(|a| a[1] as u32).collect();
         self.samples = Some(samples.iter().map(|&n| u64::from(n)).sum());
         Ok(Picture {
@@ -276,21 +294,98 @@ impl Session {
             depth: aux.iter().map(|a| a[0]).collect(),
             median_depth: aux.iter().map(|a| a[2]).collect(),
             measure: aux.iter().map(|a| a[3]).collect(),
-            measured: measured(self.settings().march.projection),
+            measured: measured(self.settings()),
+            through,
+            variance,
             samples,
         })
     }
 
-    /// One picture without read-back. Milliseconds from the start of recording to completion on the device.
+    /// Traces one more path from every pixel. True while paths are left, and the noise is above what the scene allows.
     ///
     /// # Errors
     /// As [`Session::frame`].
-    pub fn timed_frame(&mut self) -> Result<f64> {
+    pub fn refine_paths(&mut self) -> Result<bool> {
+        let (traced, paths) = self.path_progress();
+        if traced >= paths {
+            return Ok(false);
+        }
+        self.timed_frame()?;
+        let traced = traced + 1;
+        let noise = self.settings().lighting.scattering.noise;
+        // Looked at when the number of paths has doubled: reading back costs as much as some paths.
+        if noise > 0.0 && traced >= LEAST_PATHS && traced.is_power_of_two() {
+            let (error, mean) = self.noise()?;
+            return Ok(traced < paths && error > noise * mean);
+        }
+        Ok(traced < paths)
+    }
+
+    /// Paths of every pixel of this view so far, and those that the scene asks for; 0 where none are traced.
+    pub fn path_progress(&self) -> (u32, u32) {
+        self.renderer
+            .loaded()
+            .path_progress_of(&self.view_rays(), self.size())
+    }
+
+    fn view_rays(&self) -> RayBasis {
+        RayBasis::from_view(&self.view, self.size())
+    }
+
+    /// Root mean square standard error of the pixels' means, and the mean of the picture, over all channels.
+    fn noise(&mut self) -> Result<(f64, f64)> {
+        let Some((mean, variance)) = self.moments()? else {
+            return Ok((0.0, 0.0));
+        };
+        let count = 3.0 * mean.len() as f64;
+        let sum = |values: &[[f32; 3]]| {
+            values
+                .as_flattened()
+                .iter()
+                .copied()
+                .map(f64::from)
+                .sum::<f64>()
+        };
+        Ok(((sum(&variance) / count).sqrt(), sum(&mean) / count))
+    }
+
+    /// Mean radiance of every pixel's paths, and the variance of that mean.
+    fn moments(&mut self) -> Result<Option<(Vec<[f32; 3]>, Vec<[f32; 3]>)>> {
+        let Some(paths) = self.renderer.loaded().paths() else {
+            return Ok(None);
+        };
+        let n = f64::from(paths.traced().max(1));
+        let sums = texels(&self.read_back(&paths.sum, PICTURE_TEXEL_BYTES)?);
+        let squares = texels(&self.read_back(&paths.square, PICTURE_TEXEL_BYTES)?);
+        let mean = |s: [f32; 4]| std::array::from_fn(|c| (f64::from(s[c]) / n) as f32);
+        let variance = |(s, q): (&[f32; 4], &[f32; 4])| {
+            std::array::from_fn(|c| {
+                let mean = f64::from(s[c]) / n;
+                let spread = (f64::from(q[c]) / n - mean * mean).max(0.0);
+                (spread / (n - 1.0).max(1.0)) as f32
+            })
+        };
+        let variances = sums.iter().zip(&squares).map(variance).collect();
+        Ok(Some((sums.into_iter().map(mean).collect(), variances)))
+    }
+
+    /// Nothing is left to draw where paths have drawn it.
+    fn timed_frame_unless_traced(&mut self) -> Result<()> {
+        if self.path_progress().0 == 0 {
+            self.timed_frame()?;
+        }
+        Ok(())
+    }
+
+    /// One picture without read-back.
+    ///
+    /// # Errors
+    /// As [`Session::frame`].
+    pub fn timed_frame(&mut self) -> Result<FrameTime> {
         self.samples = None;
-        let start = std::time::Instant::now();
-        self.submit(Work::PictureOnly)?;
-        self.times.frame_ms = start.elapsed().as_secs_f64() * 1e3;
-        Ok(self.times.frame_ms)
+        let time = self.timed(Work::PictureOnly)?;
+        self.times.frame_ms = time.wall_ms;
+        Ok(time)
     }
 
     /// The light volume on the full grid; traces what is missing first.
@@ -328,23 +423,17 @@ impl Session {
         ))
     }
 
-    /// The device's limit: marches the same rays, but only samples one texture of the volume's format and size and looks the
-    /// transfer function up; as many samples as a picture takes without skipping and early termination. Milliseconds as
-    /// [`Session::timed_frame`]. The picture is lost.
-    ///
-    /// # Errors
-    /// As [`Session::frame`].
-    pub fn timed_bare_march(&mut self) -> Result<f64> {
-        let start = std::time::Instant::now();
-        self.submit(Work::Bare)?;
-        Ok(start.elapsed().as_secs_f64() * 1e3)
+    fn timed(&mut self, work: Work) -> Result<FrameTime> {
+        let watch = Stopwatch::start();
+        self.submit(work)?;
+        Ok(watch.elapsed())
     }
 
     fn device_info(&self) -> DeviceInfo {
         lock(&self.device).info.clone()
     }
 
-    fn frame_of<'a>(&self, aux: &'a Image) -> Frame<'a> {
+    fn frame_of<'a>(&self, aux: &'a Image, through: Option<&'a Image>) -> Frame<'a> {
         let size_px = self.size();
         Frame {
             rays: RayBasis::from_view(&self.view, size_px),
@@ -358,6 +447,8 @@ impl Session {
             },
             depth: None,
             aux: Some(aux),
+            through,
+            exposure: 1.0,
             number: self.renderer.loaded().light_progress().0,
             upload_budget: UPLOAD_BYTES,
         }
@@ -365,7 +456,7 @@ impl Session {
 
     /// Records, submits and waits.
     fn submit(&mut self, work: Work) -> Result<FrameReport> {
-        let frame = self.frame_of(&self.aux);
+        let frame = self.frame_of(&self.aux, self.through.as_ref());
         let mut device = lock(&self.device);
         let mut index = 0;
         let submitted = device.submit(|recording| {
@@ -384,6 +475,7 @@ impl Session {
             e => e,
         })?;
         self.times.add(work, self.renderer.pass_times_of(index));
+        self.times.uploaded_bytes += report.uploaded_bytes;
         Ok(report)
     }
 
@@ -392,6 +484,31 @@ impl Session {
         let mut device = lock(&self.device);
         read_back(&mut device, image, texel_bytes)
     }
+}
+
+fn picture_image(context: &Arc<Context>, name: &str, [width, height]: [u32; 2]) -> Result<Image> {
+    Image::new(
+        context,
+        &ImageInfo {
+            name,
+            extent: [width, height, 1],
+            format: PICTURE_FORMAT,
+            three_dimensional: false,
+            usage: vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_SRC,
+        },
+    )
+}
+
+/// Where extinctions differ by channel, the image for what comes through each.
+fn through_image(
+    context: &Arc<Context>,
+    size: [u32; 2],
+    settings: &Settings,
+) -> Result<Option<Image>> {
+    let [r, g, b] = settings.lighting.extinction;
+    (r != g || g != b)
+        .then(|| picture_image(context, "umbravox.picture.through", size))
+        .transpose()
 }
 
 /// Texels of an image, in slabs of bounded size.

@@ -14,11 +14,13 @@ pub struct Stats {
     pub image: ImageStats,
     /// The last picture, from the start of recording to completion on the device, ms.
     pub frame_ms: f64,
-    /// GPU times of the passes of the last direction of light, of the last picture and of the last bare march; empty
+    /// GPU times of the passes of the last direction of light, of the last picture and of the last bare march or bare light; empty
     /// without timestamps.
     pub passes: Vec<PassStats>,
     /// Local ambient occlusion; `null` when it is off.
     pub lao: Option<LightStats>,
+    /// Scattered light; `null` for optical models without.
+    pub scattering: Option<ScatteringStats>,
     /// Samples of the field in the last picture.
     pub samples: SampleStats,
     /// Blocks of the volume.
@@ -55,6 +57,19 @@ pub struct PassStats {
     pub name: &'static str,
     /// Time on the device, ms.
     pub gpu_ms: f64,
+}
+
+/// Scattered light.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct ScatteringStats {
+    /// Iterations of the solver.
+    pub iterations: u32,
+    /// Largest change of the last iteration that is known, as a share of the largest fluence; `null` before there is one.
+    pub residual: Option<f64>,
+    /// Time on the device of all iterations, ms.
+    pub solver_ms: f64,
+    /// Paths of every pixel.
+    pub paths: u32,
 }
 
 /// Local ambient occlusion.
@@ -95,6 +110,8 @@ pub struct BlockStats {
 pub struct MemoryStats {
     /// On the device, held by the renderer now.
     pub device_bytes: u64,
+    /// Bytes of bricks that were staged and uploaded since the volume was loaded.
+    pub uploaded_bytes: u64,
     /// Peak on the host; 0 where it is not counted (the program counts it).
     pub host_peak_bytes: u64,
 }
@@ -108,6 +125,7 @@ pub(super) struct Times {
     bare: Vec<PassTime>,
     light_ms: f64,
     light_directions: u32,
+    pub(super) uploaded_bytes: u64,
 }
 
 impl Times {
@@ -116,6 +134,16 @@ impl Times {
         self.light.clear();
         self.light_ms = 0.0;
         self.light_directions = 0;
+    }
+
+    /// Of the last direction of light, the last picture and the last bare march.
+    pub(super) fn passes(&self) -> Vec<PassStats> {
+        let passes = self.light.iter().chain(&self.picture).chain(&self.bare);
+        let stats = passes.map(|t| PassStats {
+            name: t.name,
+            gpu_ms: t.ms,
+        });
+        stats.collect()
     }
 
     /// Takes the pass times of a completed submission.
@@ -132,8 +160,8 @@ impl Times {
                 self.light_directions += 1;
                 self.light = times;
             }
-            Work::Bare => self.bare = times,
-            Work::UploadsOnly => {}
+            Work::Bare | Work::BareLight => self.bare = times,
+            Work::UploadsOnly | Work::CountLight => {}
         }
     }
 }
@@ -158,17 +186,16 @@ pub(super) fn of(
         },
         image: ImageStats { size: image },
         frame_ms: times.frame_ms,
-        passes: times
-            .light
-            .iter()
-            .chain(&times.picture)
-            .chain(&times.bare)
-            .map(|t| PassStats {
-                name: t.name,
-                gpu_ms: t.ms,
-            })
-            .collect(),
-        lao: (rays > 0).then(|| LightStats {
+        passes: times.passes(),
+        scattering: loaded
+            .scattering_progress()
+            .map(|(iterations, residual, paths)| ScatteringStats {
+                iterations,
+                residual,
+                solver_ms: times.light_ms,
+                paths,
+            }),
+        lao: (rays > 0 && loaded.is_occluded()).then(|| LightStats {
             rays: traced,
             ms_per_ray: times.light_ms / f64::from(times.light_directions.max(1)),
             voxels: loaded.visibility().light.trace.len() as u64 * group,
@@ -186,6 +213,7 @@ pub(super) fn of(
         data_reduction: selection.data_reduction,
         memory: MemoryStats {
             device_bytes,
+            uploaded_bytes: times.uploaded_bytes,
             host_peak_bytes: 0,
         },
     }

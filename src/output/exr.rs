@@ -9,10 +9,9 @@ use exr::prelude::{
     WritableImage, attribute::AttributeValue,
 };
 
-use super::{Provenance, atomic};
+use super::{Backdrop, Provenance, atomic};
 use crate::error::{Error, Result};
 use crate::picture::{Measured, Picture};
-use crate::scene;
 
 /// Name of the attribute with the provenance, a JSON object.
 const ATTRIBUTE: &str = "umbravox";
@@ -62,7 +61,7 @@ fn ascii_json(json: &str) -> String {
 pub(super) fn write(
     path: &Path,
     picture: &Picture,
-    settings: &scene::Image,
+    backdrop: &Backdrop,
     provenance: Provenance,
 ) -> Result<()> {
     let mut attributes = LayerAttributes::default();
@@ -78,7 +77,7 @@ pub(super) fn write(
         (width, height),
         attributes,
         Encoding::SMALL_LOSSLESS,
-        channels(picture, settings),
+        channels(picture, backdrop),
     );
     let image = exr::image::Image::from_layer(layer);
     atomic::write(path, |file| {
@@ -92,10 +91,10 @@ pub(super) fn write(
     })
 }
 
-fn channels(picture: &Picture, settings: &scene::Image) -> AnyChannels<FlatSamples> {
-    let background = settings.color_management.decode(settings.background);
+fn channels(picture: &Picture, backdrop: &Backdrop) -> AnyChannels<FlatSamples> {
+    let linear: Vec<[f64; 3]> = picture.composited(1.0, |i| backdrop.at(i)).collect();
     let radiance = |axis: usize| {
-        let channel = picture.over(background).map(|c| c[axis] as f32);
+        let channel = linear.iter().map(|c| c[axis] as f32);
         channel.collect::<Vec<f32>>()
     };
     let opacity: Vec<f32> = picture.rgba.iter().map(|p| p[3]).collect();
@@ -119,8 +118,17 @@ fn channels(picture: &Picture, settings: &scene::Image) -> AnyChannels<FlatSampl
             picture.measure.clone(),
         ),
     ];
+    let variance = |axis: usize| {
+        let variance = picture.variance.as_ref();
+        variance.map(|v| v.iter().map(|c| c[axis]).collect::<Vec<f32>>())
+    };
+    let variances = [("variance.R", 0), ("variance.G", 1), ("variance.B", 2)];
+    let variances = variances
+        .into_iter()
+        .filter_map(|(name, axis)| Some((name, variance(axis)?)));
     let channels = list
         .into_iter()
+        .chain(variances)
         .map(|(name, values)| AnyChannel::new(name, FlatSamples::F32(values)));
     AnyChannels::sort(channels.collect())
 }

@@ -3,6 +3,7 @@
 //! Every file appears whole or not at all: it is written beside its place under another name, then renamed.
 
 mod atomic;
+mod backdrop;
 mod canvas;
 mod exr;
 mod nrrd;
@@ -18,6 +19,7 @@ use crate::picture::Picture;
 use crate::scene::Image;
 
 pub use atomic::write_bytes;
+pub use backdrop::Backdrop;
 pub use nrrd::write_light;
 pub use plot::{PlotHistogram, write_plot};
 pub use sheet::{Frame, write_sheet};
@@ -70,11 +72,12 @@ impl Target {
     /// Composites over `image.background`, encodes and writes.
     ///
     /// # Errors
-    /// [`Error::Io`] or [`Error::Encode`]; the file is then not there (or as it was before).
+    /// [`Error::Io`] or [`Error::Encode`], or as [`Backdrop::of`]; the file is then not there (or as it was before).
     pub fn write(&self, picture: &Picture, image: &Image, provenance: Provenance) -> Result<()> {
+        let backdrop = Backdrop::of(image)?;
         match self.format {
-            Format::Png => png::write(&self.path, picture, image, provenance),
-            Format::Exr => exr::write(&self.path, picture, image, provenance),
+            Format::Png => png::write(&self.path, picture, image, &backdrop, provenance),
+            Format::Exr => exr::write(&self.path, picture, &backdrop, provenance),
         }
     }
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 
-use super::{Provenance, atomic};
+use super::{Backdrop, Provenance, atomic};
 use crate::error::{Error, Result};
 use crate::picture::Picture;
 use crate::scene::{ColorManagement, Image};
@@ -47,9 +47,10 @@ pub(super) fn write(
     path: &Path,
     picture: &Picture,
     image: &Image,
+    backdrop: &Backdrop,
     provenance: Provenance,
 ) -> Result<()> {
-    let encoded = encode(picture, image).map_err(|e| match e {
+    let encoded = encode(picture, image, backdrop).map_err(|e| match e {
         ImageError::IoError(source) => Error::io(path, source),
         other => Error::Encode {
             path: path.to_path_buf(),
@@ -66,10 +67,9 @@ pub(super) fn write(
     })
 }
 
-fn encode(picture: &Picture, image: &Image) -> Result<Vec<u8>, ImageError> {
-    let background = image.color_management.decode(image.background);
+fn encode(picture: &Picture, image: &Image, backdrop: &Backdrop) -> Result<Vec<u8>, ImageError> {
     let display = picture
-        .over(background)
+        .composited(image.exposure.exp2(), |i| backdrop.at(i))
         .flat_map(|linear| image.color_management.encode(linear));
     // `as` saturates; adding one half before it rounds to nearest.
     let (color_type, samples): (_, Vec<u8>) = if image.png_bits == 16 {

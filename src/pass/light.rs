@@ -30,6 +30,14 @@ pub(crate) struct LightResources<'a> {
     pub(crate) volume: Uniforms,
 }
 
+/// What a trace does.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TraceVariant {
+    pub(crate) reconstruction: Reconstruction,
+    /// Add up samples of the field instead of light.
+    pub(crate) count: bool,
+}
+
 /// The pass.
 pub(crate) struct LightPass {
     variants: Variants,
@@ -47,13 +55,15 @@ impl LightPass {
         &mut self,
         context: &Arc<Context>,
         recorder: &mut Recorder<'_>,
-        reconstruction: Reconstruction,
+        variant: TraceVariant,
         resources: &LightResources<'_>,
         push: LightPush,
     ) -> Result<()> {
-        let pipeline =
-            self.variants
-                .get(context, &interface::LIGHT_TRACE, reconstruction.constants())?;
+        let mut constants = variant.reconstruction.constants();
+        constants.push((SPEC_COUNT, variant.count.into()));
+        let pipeline = self
+            .variants
+            .get(context, &interface::LIGHT_TRACE, constants)?;
         let LightResources {
             images,
             labels,
@@ -137,7 +147,7 @@ impl LightPass {
 }
 
 /// First entry and count of each dispatch over `[start, end)` of a list.
-fn parts(start: usize, end: usize) -> impl Iterator<Item = (u32, u32)> {
+pub(super) fn parts(start: usize, end: usize) -> impl Iterator<Item = (u32, u32)> {
     (start..end)
         .step_by(GROUPS_A_DISPATCH)
         .map(move |first| (first as u32, (end - first).min(GROUPS_A_DISPATCH) as u32))

@@ -1,9 +1,12 @@
 //! The compute passes. Each file is one: its pipeline variants, what it binds, what it dispatches.
 
 pub(crate) mod bare;
+pub(crate) mod bare_light;
 pub(crate) mod light;
 pub(crate) mod picture;
 pub(crate) mod preintegrate;
+pub(crate) mod scatter;
+pub(crate) mod shadow;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -13,14 +13,84 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::{Reconstruction, Variants, sampled, tile_groups, tiles, use_field, use_labels};
-use crate::atlas::{Images, LabelImages, TableImages};
+use crate::atlas::{Images, LabelImages, MediumImages, TableImages};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Image, ImageInfo, Recorder, Sampler, Uniforms};
-use crate::scene::{Classification, Gradient, RayProjection};
+use crate::scene::{Classification, Gradient, Majorant, OpticalModel, RayProjection, Reflectance};
 use crate::shader::PassInterface;
 use crate::shader::generated::*;
 use crate::shader::interface::{self, PicturePasses};
 use crate::shader::structs::MarchPush;
+
+/// How the light that reaches a sample is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Shadowing {
+    /// Nothing is in its way.
+    None,
+    /// From the swept volume.
+    Swept,
+    /// By rays from every sample.
+    Rays,
+}
+
+/// What specializes a picture of an optical model beyond emission and absorption.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct TransportVariant {
+    pub(crate) model: OpticalModel,
+    /// `PHASE` in glsl/include/phase.glsl.
+    pub(crate) phase: u32,
+    /// The transfer function adds light whatever its opacity.
+    pub(crate) glows: bool,
+    pub(crate) shadows: Shadowing,
+    pub(crate) reflectance: Reflectance,
+    /// `ENVIRONMENT` in glsl/include/lights.glsl.
+    pub(crate) environment: u32,
+    /// Channels see different extinctions.
+    pub(crate) chromatic: bool,
+    /// There is a volume of scattered light.
+    pub(crate) scattered: bool,
+    /// Paths are traced instead, by these majorants.
+    pub(crate) paths: Option<Majorant>,
+}
+
+impl TransportVariant {
+    fn constants(self) -> [(u32, u32); 9] {
+        let model = match self.model {
+            OpticalModel::Absorption => 0,
+            OpticalModel::Emission => 1,
+            OpticalModel::EmissionAbsorption => 2,
+            OpticalModel::SingleScattering
+            | OpticalModel::ShadowedScattering
+            | OpticalModel::MultipleScattering => 3,
+        };
+        let shadows = match self.shadows {
+            Shadowing::None => 0,
+            Shadowing::Swept => 1,
+            Shadowing::Rays => 2,
+        };
+        let reflectance = match self.reflectance {
+            Reflectance::Particles => 0,
+            Reflectance::Lambert => 1,
+            Reflectance::Phong => 2,
+            Reflectance::BlinnPhong => 3,
+            Reflectance::CookTorrance => 4,
+        };
+        [
+            (SPEC_MODEL, model),
+            (SPEC_PHASE, self.phase),
+            (SPEC_GLOWS, self.glows.into()),
+            (SPEC_SHADOWS, shadows),
+            (SPEC_REFLECTANCE, reflectance),
+            (SPEC_ENVIRONMENT, self.environment),
+            (SPEC_CHROMATIC, self.chromatic.into()),
+            (SPEC_SCATTERED, self.scattered.into()),
+            (
+                SPEC_GLOBAL_MAJORANT,
+                (self.paths == Some(Majorant::Global)).into(),
+            ),
+        ]
+    }
+}
 
 /// What specializes a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,8 +99,13 @@ pub(crate) struct PictureVariant {
     pub(crate) projection: RayProjection,
     pub(crate) classification: Classification,
     pub(crate) light: bool,
-    /// Lambert's law, with this estimate of the gradient.
-    pub(crate) diffuse: Option<Gradient>,
+    /// Lambert's law.
+    pub(crate) diffuse: bool,
+    pub(crate) gradient: Gradient,
+    /// An optical model that the march of emission and absorption does not know.
+    pub(crate) transport: Option<TransportVariant>,
+    /// Samples have the colours of the data.
+    pub(crate) data_color: bool,
     pub(crate) jitter: bool,
     pub(crate) aux: bool,
     pub(crate) scene_depth: bool,
@@ -42,6 +117,8 @@ pub(crate) struct PictureVariant {
 impl PictureVariant {
     fn interface(self) -> &'static PassInterface {
         let passes: &PicturePasses = match self.projection {
+            _ if self.transport.is_some_and(|t| t.paths.is_some()) => &interface::PATHTRACE,
+            _ if self.transport.is_some() => &interface::TRANSPORT,
             RayProjection::Composite | RayProjection::Xray => &interface::MARCH,
             RayProjection::Maximum | RayProjection::Minimum | RayProjection::Mean => {
                 &interface::EXTREMUM
@@ -69,7 +146,7 @@ impl PictureVariant {
             Classification::Pre => 1,
             Classification::Preintegrated => 2,
         };
-        let gradient = match self.diffuse.unwrap_or_default() {
+        let gradient = match self.gradient {
             Gradient::CentralDifferences => 0,
             Gradient::FourPoint => 1,
             Gradient::Regression => 2,
@@ -89,12 +166,18 @@ impl PictureVariant {
             (SPEC_PROJECTION, of_values),
             (SPEC_XRAY, (self.projection == RayProjection::Xray).into()),
             (SPEC_LIGHT, self.light.into()),
-            (SPEC_DIFFUSE, self.diffuse.is_some().into()),
+            (SPEC_DIFFUSE, self.diffuse.into()),
+            (SPEC_DATA_COLOR, self.data_color.into()),
             (SPEC_JITTER, self.jitter.into()),
             (SPEC_AUX, self.aux.into()),
             (SPEC_SCENE_DEPTH, self.scene_depth.into()),
             (SPEC_ENCODE_SRGB, self.encode_srgb.into()),
         ]);
+        constants.extend(
+            self.transport
+                .into_iter()
+                .flat_map(TransportVariant::constants),
+        );
         constants
     }
 }
@@ -111,12 +194,33 @@ pub(crate) struct PictureResources<'a> {
     pub(crate) frame: Uniforms,
     /// Of isosurfaces.
     pub(crate) surfaces: Option<Uniforms>,
+    /// Of optical models beyond emission and absorption.
+    pub(crate) medium: Option<(&'a MediumImages, Uniforms)>,
+    /// Sums over paths: radiance, its square, what came through.
+    pub(crate) paths: Option<[&'a Image; 3]>,
+    /// What comes through each channel.
+    pub(crate) through: Option<&'a Image>,
     /// The target, in `GENERAL`.
     pub(crate) target: vk::ImageView,
     /// The host's depth, in the layout given.
     pub(crate) scene_depth: Option<(vk::ImageView, vk::ImageLayout)>,
     /// Depths and sample counts.
     pub(crate) aux: Option<&'a Image>,
+}
+
+/// What the march of a medium reads of it.
+fn use_medium<'a>(recorder: &mut Recorder<'_>, images: &'a MediumImages) -> [(u32, Bound<'a>); 5] {
+    [
+        (BINDING_MAJORANT, &images.majorant, &images.nearest),
+        (BINDING_SHADOW, &images.shadow, &images.linear),
+        (BINDING_SCATTERED, &images.scattered, &images.linear),
+        (BINDING_ENVIRONMENT, &images.environment, &images.nearest),
+        (BINDING_PHASE, &images.phase, &images.nearest),
+    ]
+    .map(|(binding, image, sampler)| {
+        recorder.use_image(image, Access::SampledRead);
+        (binding, sampled(image, sampler))
+    })
 }
 
 /// The pass.
@@ -199,6 +303,9 @@ impl PicturePass {
             volume,
             frame,
             surfaces,
+            medium,
+            paths,
+            through,
             target,
             scene_depth,
             aux,
@@ -226,12 +333,21 @@ impl PicturePass {
             },
             None => sampled(&self.unused_sampled, &self.nearest),
         };
+        let color = match &images.color {
+            Some(color) => {
+                recorder.use_image(&color.image, Access::SampledRead);
+                sampled(&color.image, &images.linear)
+            }
+            // Another image of its kind, which is not read.
+            None => sampled(&images.atlas, images.atlas_sampler()),
+        };
         let mut bound = field.to_vec();
         bound.extend(use_labels(recorder, images, labels));
         bound.extend([
             (BINDING_VOLUME, Bound::Uniform(volume)),
             (BINDING_FRAME, Bound::Uniform(frame)),
             (BINDING_LIGHT, light),
+            (BINDING_COLOR, color),
             (BINDING_SCENE_DEPTH, depth),
             (BINDING_TARGET, Bound::StorageView(target)),
             (BINDING_AUX, Bound::StorageImage(aux)),
@@ -243,6 +359,22 @@ impl PicturePass {
             (BINDING_RANGE, sampled(range, &self.nearest)),
         ]);
         bound.extend(surfaces.map(|s| (BINDING_SURFACES, Bound::Uniform(s))));
+        if let Some((medium_images, params)) = medium {
+            let through = through.unwrap_or(&self.unused_storage);
+            recorder.use_image(through, Access::Storage);
+            bound.push((BINDING_THROUGH, Bound::StorageImage(through)));
+            bound.push((BINDING_MEDIUM, Bound::Uniform(params)));
+            bound.extend(use_medium(recorder, medium_images));
+        }
+        let bindings = [
+            BINDING_PATHS_SUM,
+            BINDING_PATHS_SQUARE,
+            BINDING_PATHS_THROUGH,
+        ];
+        for (binding, image) in bindings.into_iter().zip(paths.into_iter().flatten()) {
+            recorder.use_image(image, Access::Storage);
+            bound.push((binding, Bound::StorageImage(image)));
+        }
         // Each kind of picture takes its own selection.
         recorder.bind(pipeline, &bound)?;
         for (tile_px, tile_end_px) in tiles(size_px, tile) {

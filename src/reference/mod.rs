@@ -8,6 +8,7 @@
 //! - [`march`]: a picture by emission and absorption along rays (Max 1995), or by another projection.
 //! - [`preintegrate`]: the transfer function along a segment (Engel, Kraus, Ertl 2001).
 //! - [`light`]: local ambient occlusion at every voxel (Hernell, Ljung, Ynnerman 2007).
+//! - [`transport`]: the optical models of Max (1995), by quadrature and by Monte Carlo.
 //! - [`analytic`]: closed forms for fields that have one.
 
 mod classify;
@@ -18,6 +19,7 @@ mod preintegration;
 mod probe;
 mod projection;
 mod ray;
+pub mod transport;
 
 pub use crate::analytic;
 pub use crate::field::{CubicKernel, Field};

@@ -95,6 +95,7 @@ fn between(a: &CurvePoint, b: &CurvePoint, value: f64) -> Optical {
         color: mix3(a.optical.color, b.optical.color),
         opacity: mix(a.optical.opacity, b.optical.opacity),
         emission: mix3(a.optical.emission, b.optical.emission),
+        source: mix3(a.optical.source, b.optical.source),
     }
 }
 

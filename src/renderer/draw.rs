@@ -6,20 +6,38 @@ use glam::{DAffine3, DMat4, DVec3, DVec4};
 
 use super::light::LightProgress;
 use super::loaded::{Loaded, sample_lengths};
+use super::scattered::ScatterInputs;
 use super::settings::Settings;
-use super::{Frame, FrameReport, pass_name};
+use super::transport::{Transport, environment_kind, phase_kind};
+use super::{Frame, FrameReport, Paths, RayBasis, pass_name};
 use crate::atlas::UploadResources;
 use crate::error::Result;
 use crate::gpu::{Context, Recorder, Uniforms};
 use crate::pass::Reconstruction;
 use crate::pass::bare::BareResources;
-use crate::pass::light::LightResources;
+use crate::pass::light::{LightResources, TraceVariant};
 use crate::pass::picture::{PictureResources, PictureVariant};
-use crate::scene::{Interpolation, RayProjection, Shading};
+use crate::pass::scatter::ScatterVariant;
+use crate::pass::shadow::ShadowResources;
+use crate::scene::{Interpolation, OpticalModel, RayProjection, Shading};
 use crate::shader::structs::{FrameParams, SurfaceParams, VolumeParams};
 
 /// Samples that one dispatch of the march takes at most: a quarter of a second at 0.5 billion a second.
 const SAMPLES_A_DISPATCH: f64 = 1.3e8;
+
+/// Edge of the tiles that paths are traced in: nobody knows how long they become.
+const PATHS_TILE: u32 = 128;
+
+/// What a direction is traced for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LightWorkload {
+    /// Light.
+    Trace,
+    /// How many samples of the field it takes.
+    Count,
+    /// The bench's bare light.
+    Bare,
+}
 
 impl Loaded {
     /// For a pass in which what emits does so with `emission`.
@@ -125,6 +143,7 @@ impl Loaded {
         context: &Arc<Context>,
         recorder: &mut Recorder<'_>,
         volume: Uniforms,
+        workload: LightWorkload,
     ) -> Result<()> {
         // Light follows the linear field, whatever the march does; emission only where it is asked for.
         let emission = self
@@ -149,6 +168,7 @@ impl Loaded {
             lists,
             visibility,
             light_pass,
+            bare_light_pass,
             ..
         } = self;
         let resources = LightResources {
@@ -158,15 +178,119 @@ impl Loaded {
             work: &visibility.light,
             volume,
         };
+        if workload == LightWorkload::Bare {
+            return recorder.pass(pass_name::BARE_LIGHT, |recorder| {
+                bare_light_pass.record(context, recorder, reconstruction, &resources, push)
+            });
+        }
+        let variant = TraceVariant {
+            reconstruction,
+            count: workload == LightWorkload::Count,
+        };
         recorder.pass(pass_name::LIGHT, |recorder| {
-            light_pass.trace(context, recorder, reconstruction, &resources, push)
+            light_pass.trace(context, recorder, variant, &resources, push)
         })?;
-        if resources.work.seam.is_empty() {
+        if variant.count || resources.work.seam.is_empty() {
             return Ok(());
         }
         recorder.pass(pass_name::LIGHT_SEAM, |recorder| {
             light_pass.seam(context, recorder, reconstruction, &resources)
         })
+    }
+
+    /// Brings the light volumes of the optical model up to date, if it has any.
+    pub(super) fn record_transport(
+        &mut self,
+        context: &Arc<Context>,
+        recorder: &mut Recorder<'_>,
+        volume: Uniforms,
+        rays: &RayBasis,
+        iterating: bool,
+    ) -> Result<()> {
+        let Some(medium) = self.medium_uniforms(recorder)? else {
+            return Ok(());
+        };
+        let complete = self.uploads.bricks_complete();
+        let reconstruction = self.reconstruction(false);
+        let Self {
+            transport,
+            images,
+            labels,
+            shadow_pass,
+            scatter_pass,
+            settings,
+            ..
+        } = self;
+        let Some(transport) = transport else {
+            return Ok(());
+        };
+        transport.record_images(context, recorder)?;
+        if !complete {
+            return Ok(());
+        }
+        let sweeps = std::mem::take(&mut transport.sweeps);
+        if let (Some(grid), false) = (transport.shadow_grid(), sweeps.is_empty()) {
+            let resources = ShadowResources {
+                images,
+                labels: labels.as_ref(),
+                medium_images: &transport.images,
+                grid,
+                volume,
+                medium,
+            };
+            recorder.pass(pass_name::SHADOW, |recorder| {
+                shadow_pass.record(context, recorder, reconstruction, &resources, &sweeps)
+            })?;
+        }
+        let Transport {
+            images: medium_images,
+            scattered: Some(scattered),
+            ..
+        } = transport
+        else {
+            return Ok(());
+        };
+        let inputs = ScatterInputs {
+            images,
+            labels: labels.as_ref(),
+            medium_images,
+            volume,
+            medium,
+            phase: &settings.lighting.phase,
+        };
+        let variant = ScatterVariant {
+            reconstruction: Reconstruction {
+                emission: settings.curve.emits(),
+                ..reconstruction
+            },
+            phase: phase_kind(&settings.lighting.phase),
+            environment: environment_kind(settings),
+            glows: settings.curve.glows(),
+        };
+        recorder.pass(pass_name::SCATTER, |recorder| {
+            scattered.record(
+                context,
+                recorder,
+                scatter_pass,
+                variant,
+                &inputs,
+                rays,
+                iterating,
+            )
+        })?;
+        Ok(())
+    }
+
+    /// The medium's parameters, where the optical model has one.
+    fn medium_uniforms(&self, recorder: &mut Recorder<'_>) -> Result<Option<Uniforms>> {
+        let samples_per_value = 1.0 / self.table.samples().scale;
+        let params = self
+            .transport
+            .as_ref()
+            .map(|t| t.params(self.step_mm(), samples_per_value));
+        params
+            .map(|p| recorder.slot().uniforms(bytemuck::bytes_of(&p)))
+            .transpose()
     }
 
     pub(super) fn record_picture(
@@ -177,7 +301,10 @@ impl Loaded {
         frame: &Frame<'_>,
     ) -> Result<()> {
         let target = frame.target;
-        let params = self.frame_params(frame);
+        let mut params = self.frame_params(frame);
+        if self.settings.traces_paths() {
+            params.frame = self.next_path(context, frame)?;
+        }
         let frame_uniforms = recorder.slot().uniforms(bytemuck::bytes_of(&params))?;
         let surfaces = match self.settings.march.projection {
             RayProjection::Isosurface => {
@@ -186,6 +313,7 @@ impl Loaded {
             }
             _ => None,
         };
+        let medium = self.medium_uniforms(recorder)?;
         let Settings {
             march, lighting, ..
         } = &self.settings;
@@ -194,19 +322,27 @@ impl Loaded {
             projection: march.projection,
             classification: march.classification(),
             light: self.light.is_some(),
-            diffuse: (lighting.shading == Shading::Diffuse).then_some(lighting.gradient),
+            diffuse: lighting.shading == Shading::Diffuse,
+            gradient: lighting.gradient,
+            transport: self.transport.as_ref().map(Transport::variant),
+            data_color: self.images.color.is_some(),
             jitter: march.jitter,
             aux: frame.aux.is_some(),
             scene_depth: frame.depth.is_some(),
             encode_srgb: target.encode_srgb,
             blend: target.blend.then_some(target.format),
         };
-        let tile = self.tile.unwrap_or_else(|| self.default_tile());
+        let mut tile = self.tile.unwrap_or_else(|| self.default_tile());
+        if self.settings.traces_paths() {
+            tile = tile.min(PATHS_TILE);
+        }
         let Self {
             images,
             labels,
             picture_pass,
             prepared,
+            transport,
+            paths,
             ..
         } = self;
         recorder.pass(pass_name::MARCH, |recorder| {
@@ -218,12 +354,25 @@ impl Loaded {
                 volume,
                 frame: frame_uniforms,
                 surfaces,
+                medium: transport.as_ref().map(|t| &t.images).zip(medium),
+                paths: paths.as_ref().map(|p| [&p.sum, &p.square, &p.through]),
+                through: frame.through,
                 target: target.view,
                 scene_depth: frame.depth.map(|d| (d.view, d.layout)),
                 aux: frame.aux,
             };
             picture_pass.record(context, recorder, variant, &resources, target.size_px, tile)
         })
+    }
+
+    /// Number of the path that this frame adds to every pixel; 0 for rays that the sums are not of.
+    fn next_path(&mut self, context: &Arc<Context>, frame: &Frame<'_>) -> Result<u32> {
+        let size_px = frame.target.size_px;
+        let paths = match self.paths.take() {
+            Some(paths) if paths.are_of(&frame.rays, size_px) => paths,
+            _ => Paths::new(context, "umbravox", frame.rays, size_px)?,
+        };
+        Ok(self.paths.insert(paths).next())
     }
 
     pub(super) fn record_bare(
@@ -326,7 +475,7 @@ impl Loaded {
             frame: frame.number,
             value_from_sample: samples.scale as f32,
             value_offset: samples.offset as f32,
-            pad0: 0.0,
+            exposure: frame.exposure,
             pad1: 0.0,
             pad2: 0.0,
         }
@@ -334,10 +483,13 @@ impl Loaded {
 
     /// Opacity at which rays stop; above 1: never.
     fn early_termination(&self) -> f32 {
-        let march = &self.settings.march;
+        let Settings {
+            march, lighting, ..
+        } = &self.settings;
         match march.projection {
             // Optical depth goes on growing when all is dark.
             RayProjection::Xray => 2.0,
+            _ if lighting.model == OpticalModel::Absorption => 2.0,
             _ => march.early_termination as f32,
         }
     }

@@ -2,18 +2,24 @@
 
 use std::sync::Arc;
 
+use super::RayBasis;
 use super::light::LightProgress;
+use super::paths::Paths;
 use super::prepared::Prepared;
 use super::settings::Settings;
+use super::transport::Transport;
 use crate::atlas::{
-    Images, LIGHT_TEXEL_BYTES, LabelImages, LightLists, Residency, SampleLengths, SampleScale,
-    Shown, Store, TransferTable, Uploads, Visibility,
+    COLOR_TEXEL_BYTES, Images, LIGHT_TEXEL_BYTES, LabelImages, LightLists, Residency,
+    SampleLengths, SampleScale, Shown, Store, TransferTable, Uploads, Visibility,
 };
 use crate::error::Result;
 use crate::gpu::Context;
 use crate::pass::bare::BarePass;
+use crate::pass::bare_light::BareLightPass;
 use crate::pass::light::LightPass;
 use crate::pass::picture::PicturePass;
+use crate::pass::scatter::ScatterPass;
+use crate::pass::shadow::ShadowPass;
 use crate::scene::{Classification, RayProjection};
 use crate::volume::Volume;
 
@@ -31,10 +37,15 @@ pub(crate) struct Loaded {
     pub(super) prepared: Prepared,
     pub(super) labels: Option<LabelImages>,
     pub(super) light: Option<LightProgress>,
+    pub(super) transport: Option<Transport>,
+    pub(super) paths: Option<Paths>,
     pub(super) uploads: Uploads,
     pub(super) picture_pass: PicturePass,
     pub(super) light_pass: LightPass,
+    pub(super) shadow_pass: ShadowPass,
+    pub(super) scatter_pass: ScatterPass,
     pub(super) bare_pass: BarePass,
+    pub(super) bare_light_pass: BareLightPass,
     pub(super) tile: Option<u32>,
 }
 
@@ -50,11 +61,12 @@ impl Loaded {
         let lit = settings.ambient_occlusion.is_some();
         let visibility = visibility(&store, &residency, &table, &settings);
         let prepared = Prepared::new(context, NAME, &table, &residency, &settings)?;
-        let images = Images::new(context, NAME, &store, &residency, lit)?;
+        let images = Images::new(context, NAME, &store, &residency, lit, settings.data_color)?;
         let labels = label_images(context, &settings)?;
         let lists = LightLists::new(context, NAME, &visibility.light)?;
         let light = light_progress(&store, &settings);
         let uploads = Uploads::all(&residency);
+        let transport = Transport::new(context, NAME, &store, &residency, &table, &settings)?;
         let exact_bins =
             table.has_exact_bins(sample_lengths(&settings, store.volume.min_spacing()));
         Ok(Self {
@@ -69,15 +81,20 @@ impl Loaded {
             prepared,
             labels,
             light,
+            transport,
+            paths: None,
             uploads,
             picture_pass: PicturePass::new(context)?,
             light_pass: LightPass::new(),
+            shadow_pass: ShadowPass::new(),
+            scatter_pass: ScatterPass::new(),
             bare_pass: BarePass::new(),
+            bare_light_pass: BareLightPass::new(),
             tile: None,
         })
     }
 
-    pub(super) fn settings(&self) -> &Settings {
+    pub(crate) fn settings(&self) -> &Settings {
         &self.settings
     }
 
@@ -108,10 +125,13 @@ impl Loaded {
             || settings.surfaces != old.surfaces
             || settings.march.projection != old.march.projection
             || settings.march.interpolation != old.march.interpolation
-            || settings.march.classification() != old.march.classification();
+            || settings.march.classification() != old.march.classification()
+            || settings.is_preintegrated() != old.is_preintegrated();
         let lit = settings.ambient_occlusion.is_some();
         let was_lit = old.ambient_occlusion.is_some();
-        let relevel = reclassify || settings.storage != old.storage || lit != was_lit;
+        let color = settings.data_color;
+        let reimage = lit != was_lit || color != old.data_color;
+        let relevel = reclassify || settings.storage != old.storage || reimage;
         let table = if reclassify {
             transfer_table(&self.store, &settings)
         } else {
@@ -132,8 +152,8 @@ impl Loaded {
         let prepared = (reclassify || residency.is_some() || settings.march.step != old.march.step)
             .then(|| Prepared::new(context, NAME, &table, current, &settings))
             .transpose()?;
-        let images = (residency.is_some() || lit != was_lit)
-            .then(|| Images::new(context, NAME, &self.store, current, lit))
+        let images = (residency.is_some() || reimage)
+            .then(|| Images::new(context, NAME, &self.store, current, lit, color))
             .transpose()?;
         let map = |settings: &Settings| settings.labels.as_ref().map(|l| Arc::as_ptr(l.map()));
         let labels = (map(&settings) != map(old))
@@ -143,6 +163,19 @@ impl Loaded {
             .as_ref()
             .map(|v| LightLists::new(context, NAME, &v.light))
             .transpose()?;
+
+        let transport = match &self.transport {
+            Some(transport) if residency.is_none() && transport.serves(&settings) => None,
+            None if !settings.transports() => None,
+            _ => Some(Transport::new(
+                context,
+                NAME,
+                &self.store,
+                current,
+                &table,
+                &settings,
+            )?),
+        };
 
         let same_light =
             images.is_none() && residency.is_none() && self.settings.same_light(&settings);
@@ -161,6 +194,10 @@ impl Loaded {
         }
         if let Some(lists) = lists {
             self.lists = lists;
+        }
+        if let Some(transport) = transport {
+            self.transport = transport;
+            self.paths = None;
         }
         if let Some(prepared) = prepared {
             self.prepared = prepared;
@@ -186,16 +223,65 @@ impl Loaded {
         self.images.forget();
         self.picture_pass.forget();
         self.prepared.forget();
+        self.transport.iter_mut().for_each(Transport::forget);
+        self.paths.iter_mut().for_each(Paths::forget);
         self.labels.iter_mut().for_each(LabelImages::forget);
         self.uploads = Uploads::all(&self.residency);
+        self.restart_light();
+    }
+
+    pub(super) fn restart_light(&mut self) {
         self.light = light_progress(&self.store, &self.settings);
     }
 
-    /// Directions traced, and all of them.
+    /// Directions traced, and all of them; of scattered light the iterations.
     pub(crate) fn light_progress(&self) -> (u32, u32) {
-        self.light
-            .as_ref()
-            .map_or((0, 0), |l| (l.traced(), l.rays()))
+        let scattered = self.transport.as_ref().and_then(|t| t.scattered.as_ref());
+        match (&self.light, scattered) {
+            (Some(light), _) => (light.traced(), light.rays()),
+            (None, Some(scattered)) => scattered.progress(),
+            (None, None) => (0, 0),
+        }
+    }
+
+    /// True when there is local ambient occlusion.
+    pub(crate) fn is_occluded(&self) -> bool {
+        self.light.is_some()
+    }
+
+    /// Of optical models that scatter: iterations of the solver, its residual where that is known, paths of every pixel.
+    pub(crate) fn scattering_progress(&self) -> Option<(u32, Option<f64>, u32)> {
+        let transport = self.transport.as_ref()?;
+        if !self.settings.lighting.model.scatters() {
+            return None;
+        }
+        let (iterations, residual) = match &transport.scattered {
+            None => (0, None),
+            // What cannot be read is not known.
+            Some(scattered) => (scattered.progress().0, scattered.residual().ok().flatten()),
+        };
+        Some((iterations, residual, self.path_progress().0))
+    }
+
+    /// Paths of every pixel of the last view, and those that the scene asks for; 0 where none are traced.
+    pub(crate) fn path_progress(&self) -> (u32, u32) {
+        if !self.settings.traces_paths() {
+            return (0, 0);
+        }
+        let traced = self.paths.as_ref().map_or(0, Paths::traced);
+        (traced, self.settings.lighting.scattering.samples)
+    }
+
+    /// The same, for rays that need not be those of the last view.
+    pub(crate) fn path_progress_of(&self, rays: &RayBasis, size_px: [u32; 2]) -> (u32, u32) {
+        let (_, asked) = self.path_progress();
+        let paths = self.paths.as_ref().filter(|p| p.are_of(rays, size_px));
+        (paths.map_or(0, Paths::traced), asked)
+    }
+
+    /// The sums of the paths, where some were traced.
+    pub(crate) fn paths(&self) -> Option<&Paths> {
+        self.paths.as_ref()
     }
 
     /// True when every brick is on the device.
@@ -247,13 +333,13 @@ fn select(
     table: &TransferTable,
     settings: &Settings,
 ) -> Result<crate::volume::select::Selection> {
-    let light = if settings.ambient_occlusion.is_some() {
-        LIGHT_TEXEL_BYTES
-    } else {
-        0
-    };
-    let shown = shown(table, settings);
-    Residency::select(store, &shown, &settings.storage, light)
+    let light = settings
+        .ambient_occlusion
+        .as_ref()
+        .map(|_| LIGHT_TEXEL_BYTES);
+    let color = settings.data_color.map(|_| COLOR_TEXEL_BYTES);
+    let others = light.unwrap_or(0) + color.unwrap_or(0);
+    Residency::select(store, &shown(table, settings), &settings.storage, others)
 }
 
 fn choose(

@@ -6,9 +6,12 @@
 mod draw;
 mod light;
 mod loaded;
+mod paths;
 mod prepared;
 mod rays;
+mod scattered;
 mod settings;
+mod transport;
 
 use std::sync::Arc;
 
@@ -17,8 +20,10 @@ use ash::vk;
 use crate::error::{Error, Result};
 use crate::gpu::{Context, FrameSlots, Image, PassTime, Recorder};
 use crate::volume::Volume;
+use draw::LightWorkload;
 
 pub(crate) use loaded::Loaded;
+pub(crate) use paths::Paths;
 pub(crate) use rays::{RayBasis, ix_from_clip};
 
 pub use rays::DepthRange;
@@ -53,6 +58,10 @@ pub(crate) struct Frame<'a> {
     pub(crate) depth: Option<FrameDepth>,
     /// Depth and sample counts are written here.
     pub(crate) aux: Option<&'a Image>,
+    /// What comes through each channel is written here, where extinctions differ.
+    pub(crate) through: Option<&'a Image>,
+    /// Factor on the volume's radiance.
+    pub(crate) exposure: f32,
     /// Seeds the jitter.
     pub(crate) number: u32,
     /// Bytes of bricks to upload at most.
@@ -72,6 +81,10 @@ pub(crate) enum Work {
     PictureOnly,
     /// The bench's bare march instead of the picture.
     Bare,
+    /// The bench's bare light, in the direction that comes next; the light volume is lost.
+    BareLight,
+    /// One direction, of which samples of the field are counted; the light volume is lost.
+    CountLight,
 }
 
 /// What a recorded frame does and what is still missing.
@@ -83,16 +96,22 @@ pub struct FrameReport {
     pub bricks_missing: usize,
     /// Bytes of bricks that this frame uploads.
     pub uploaded_bytes: u64,
-    /// Directions in the light volume once the frame completes.
+    /// Directions in the light volume once the frame completes; of optical models that scatter, iterations of their solver.
     pub light_traced: u32,
-    /// Directions of the complete light volume; 0: ambient occlusion is off.
+    /// Directions of the complete light volume, or iterations at most (fewer once it converges); 0: there is no such volume.
     pub light_rays: u32,
+    /// Paths of every pixel of this view once the frame completes; 0: none are traced.
+    pub paths_traced: u32,
+    /// Paths that the scene asks for; later frames go on refining.
+    pub paths: u32,
 }
 
 impl FrameReport {
     /// True when later frames of the same scene would look the same (but for jitter).
     pub fn is_complete(&self) -> bool {
-        self.bricks_missing == 0 && self.light_traced == self.light_rays
+        self.bricks_missing == 0
+            && self.light_traced == self.light_rays
+            && self.paths_traced >= self.paths
     }
 }
 
@@ -115,7 +134,7 @@ impl Renderer {
     /// that are out of range ([`Settings::validate`]) or that no residency satisfies.
     pub fn new(context: &Arc<Context>, volume: Arc<Volume>, settings: Settings) -> Result<Self> {
         settings.validate()?;
-        settings.check_labels(&volume)?;
+        settings.check_volume(&volume)?;
         Ok(Self {
             context: context.clone(),
             slots: FrameSlots::default(),
@@ -141,7 +160,7 @@ impl Renderer {
     /// As [`Renderer::new`]; the old settings stay in force then.
     pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
         settings.validate()?;
-        settings.check_labels(&self.loaded.store().volume)?;
+        settings.check_volume(&self.loaded.store().volume)?;
         self.loaded.set_settings(&self.context, settings)
     }
 
@@ -162,6 +181,11 @@ impl Renderer {
     /// The last pass known to have started: what to report when the host's submission says that the device was lost.
     pub fn last_pass(&self) -> Option<&'static str> {
         self.slots.last_started()
+    }
+
+    /// Traces the light again from the first direction.
+    pub(crate) fn restart_light(&mut self) {
+        self.loaded.restart_light();
     }
 
     /// The volume, its residency and its light, for readers.
@@ -215,8 +239,11 @@ pub(crate) mod pass_name {
     pub(crate) const PREINTEGRATE: &str = "preintegrate";
     pub(crate) const LIGHT: &str = "light";
     pub(crate) const LIGHT_SEAM: &str = "light_seam";
+    pub(crate) const SHADOW: &str = "shadow";
+    pub(crate) const SCATTER: &str = "scatter";
     pub(crate) const MARCH: &str = "march";
     pub(crate) const BARE: &str = "bare";
+    pub(crate) const BARE_LIGHT: &str = "bare_light";
 }
 
 /// Records one frame.
@@ -232,14 +259,25 @@ pub(crate) fn record(
         .slot()
         .uniforms(bytemuck::bytes_of(&loaded.volume_params()))?;
     if matches!(work, Work::Everything | Work::LightOnly) {
-        loaded.record_light(context, recorder, volume)?;
+        loaded.record_light(context, recorder, volume, LightWorkload::Trace)?;
+    }
+    if matches!(work, Work::Everything | Work::LightOnly | Work::PictureOnly) {
+        let iterating = work != Work::PictureOnly;
+        loaded.record_transport(context, recorder, volume, &frame.rays, iterating)?;
     }
     if matches!(work, Work::Everything | Work::PictureOnly) {
         loaded.record_picture(context, recorder, volume, frame)?;
+    }
+    if work == Work::BareLight {
+        loaded.record_light(context, recorder, volume, LightWorkload::Bare)?;
+    }
+    if work == Work::CountLight {
+        loaded.record_light(context, recorder, volume, LightWorkload::Count)?;
     }
     if work == Work::Bare {
         loaded.record_bare(context, recorder, volume, frame)?;
     }
     (report.light_traced, report.light_rays) = loaded.light_progress();
+    (report.paths_traced, report.paths) = loaded.path_progress();
     Ok(report)
 }

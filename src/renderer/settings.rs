@@ -1,9 +1,12 @@
 //! How a volume is drawn, apart from the camera.
 
-use crate::error::Result;
+use std::sync::Arc;
+
+use crate::error::{Error, Result};
 use crate::scene::{
-    AmbientOcclusion, Classification, Curve, Labels, Lighting, March, RayProjection, Scene,
-    Storage, Surface, check_together,
+    AmbientOcclusion, Classification, ColorManagement, Curve, EnvironmentMap, Labels, Lighting,
+    March, OpticalModel, RayProjection, ScatteringMethod, Scene, Shading, Storage, Surface,
+    VolumeColor, check_data_color, check_together,
 };
 use crate::volume::Volume;
 
@@ -12,6 +15,8 @@ use crate::volume::Volume;
 pub struct Settings {
     /// Transfer function, colours decoded.
     pub curve: Curve,
+    /// The colours of the volume's voxels, decoded so, in place of the transfer function's; `None`: the latter.
+    pub data_color: Option<ColorManagement>,
     /// Ray sampling.
     pub march: March,
     /// What [`March::surfaces`] makes of the march's isosurfaces.
@@ -22,6 +27,10 @@ pub struct Settings {
     pub labels: Option<Labels>,
     /// Local ambient occlusion; `None`: off.
     pub ambient_occlusion: Option<AmbientOcclusion>,
+    /// The map of [`Lighting::environment`], where that names one.
+    pub environment: Option<Arc<EnvironmentMap>>,
+    /// Brightness of the volume's light in targets of an engine, stops; pictures of our own are read back as radiance.
+    pub exposure: f64,
     /// Levels of detail and memory.
     pub storage: Storage,
     /// Opacity at which a ray's depth is taken, (0,1].
@@ -39,11 +48,14 @@ impl Settings {
         let curve = scene.transfer_function.curve(volume, colors)?;
         Ok(Self {
             surfaces: scene.march.surfaces(&curve, colors),
+            data_color: scene.data_color(volume, &curve)?,
             curve,
             labels: Labels::of_scene(scene, volume)?,
             march: scene.march.clone(),
             lighting: scene.lighting.clone(),
             ambient_occlusion: scene.ambient_occlusion.clone(),
+            environment: environment(&scene.lighting)?,
+            exposure: scene.image.exposure,
             storage: scene.storage.clone(),
             depth_threshold: scene.image.depth_threshold,
         })
@@ -59,10 +71,69 @@ impl Settings {
         self.lighting.validate()?;
         self.storage.validate()?;
         check_together(&self.march, &self.lighting, self.ambient_occlusion.as_ref())?;
-        match &self.ambient_occlusion {
-            Some(ao) => ao.validate(),
-            None => Ok(()),
+        if self.data_color.is_some() {
+            check_data_color(&self.march, &self.lighting, self.curve.glows())?;
         }
+        if let Some(ao) = &self.ambient_occlusion {
+            ao.validate()?;
+        }
+        self.check_transport()
+    }
+
+    /// True when pictures take the march of a medium: an optical model of its own, light without opacity, or an extinction that
+    /// differs by channel.
+    pub(super) fn transports(&self) -> bool {
+        self.lighting.model != OpticalModel::EmissionAbsorption
+            || self.curve.glows()
+            || self.lighting.extinction != [1.0; 3]
+    }
+
+    /// True when pictures are traced by Monte Carlo.
+    pub(super) fn traces_paths(&self) -> bool {
+        self.lighting.model == OpticalModel::MultipleScattering
+            && self.lighting.scattering.method == ScatteringMethod::MonteCarlo
+    }
+
+    /// What the march of a medium cannot do. Models other than the default one were checked with the rest of the scene.
+    fn check_transport(&self) -> Result<()> {
+        let path = self
+            .lighting
+            .environment
+            .as_ref()
+            .and_then(|e| e.path.as_ref());
+        if path.is_some() != self.environment.is_some() {
+            return Err(Error::invalid(
+                "lighting.environment.path",
+                "settings hold the map itself; give it with the path, or neither",
+            ));
+        }
+        if !self.transports() {
+            return Ok(());
+        }
+        let why = "\"source\" of a control point and \"extinction\" of the lighting";
+        let refuse = |at: &str, give: &str| {
+            Err(Error::invalid(
+                at,
+                format!("does not go with {why}; {give}"),
+            ))
+        };
+        if self.march.projection != RayProjection::Composite {
+            return refuse("march.projection", "give \"composite\"");
+        }
+        if self
+            .march
+            .classification
+            .is_some_and(|c| c != Classification::Post)
+        {
+            return refuse("march.classification", "give \"post\" or leave it out");
+        }
+        if self.lighting.shading != Shading::None {
+            return refuse("lighting.shading", "give \"none\"");
+        }
+        if self.ambient_occlusion.is_some() {
+            return refuse("ambient_occlusion", "give null");
+        }
+        Ok(())
     }
 
     /// True when segments are classified by the values at their ends.
@@ -70,11 +141,15 @@ impl Settings {
         matches!(
             self.march.projection,
             RayProjection::Composite | RayProjection::Xray
-        ) && self.march.classification() == Classification::Preintegrated
+        ) && !self.transports()
+            && self.march.classification() == Classification::Preintegrated
     }
 
-    /// Labels must lie where the volume does.
-    pub(super) fn check_labels(&self, volume: &Volume) -> Result<()> {
+    /// Labels must lie where the volume does, and colours that are to be drawn must be there.
+    pub(super) fn check_volume(&self, volume: &Volume) -> Result<()> {
+        if self.data_color.is_some() {
+            VolumeColor::require_colors(volume)?;
+        }
         match &self.labels {
             Some(labels) => labels.map().check_overlap(volume),
             None => Ok(()),
@@ -101,4 +176,10 @@ impl Settings {
             && self.curve == other.curve
             && self.march.inter_block_interpolation == other.march.inter_block_interpolation
     }
+}
+
+fn environment(lighting: &Lighting) -> Result<Option<Arc<EnvironmentMap>>> {
+    let path = lighting.environment.as_ref().and_then(|e| e.path.as_ref());
+    path.map(|path| EnvironmentMap::read(path).map(Arc::new))
+        .transpose()
 }

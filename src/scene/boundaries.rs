@@ -51,6 +51,7 @@ pub(super) fn control_points(
         color: palette::TISSUE.at(share(value)),
         opacity,
         emission: [0.0; 3],
+        source: [0.0; 3],
     };
     let mut points: Vec<ControlPoint> = visible.into_iter().map(point).collect();
     // Colour goes on where opacity no longer changes.

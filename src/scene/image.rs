@@ -1,5 +1,7 @@
 //! The picture's size, background and encoding.
 
+use std::path::PathBuf;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +16,12 @@ pub struct Image {
     pub size: [u32; 2],
     /// Colour behind the volume, display values from 0 to 1. Default black.
     pub background: [f64; 3],
+    /// Picture behind the volume, PNG or OpenEXR, in place of `background`, stretched to the size; relative to the scene file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub background_image: Option<PathBuf>,
+    /// Brightness of the volume's light in stops: PNG files and targets of engines show `2^exposure` times it. EXR files keep the
+    /// radiance. Default 0.
+    pub exposure: f64,
     /// Default "linear".
     pub color_management: ColorManagement,
     /// Bits per channel of PNG output, 8 or 16. Default 8.
@@ -28,6 +36,8 @@ impl Default for Image {
         Self {
             size: [512, 512],
             background: [0.0; 3],
+            background_image: None,
+            exposure: 0.0,
             color_management: ColorManagement::Linear,
             png_bits: 8,
             depth_threshold: 0.05,

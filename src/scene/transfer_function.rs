@@ -2,10 +2,11 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
 use super::{ColorManagement, Guess, TransferFile, presets, transfer_file};
 use crate::error::Result;
-use crate::volume::Volume;
+use crate::volume::{Volume, hexadecimal};
 
 /// One control point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -20,6 +21,14 @@ pub struct ControlPoint {
     /// Display colour of emitted light, >= 0; may exceed 1. Default none.
     #[serde(default)]
     pub emission: [f64; 3],
+    /// Radiance added per `unit_distance` whatever the opacity, linear, >= 0: Max's `g` given by itself, for gas that glows
+    /// and absorbs nothing. Default none.
+    #[serde(default, skip_serializing_if = "is_dark")]
+    pub source: [f64; 3],
+}
+
+fn is_dark(color: &[f64; 3]) -> bool {
+    *color == [0.0; 3]
 }
 
 /// Piecewise linear between its points, constant outside.
@@ -82,6 +91,8 @@ pub struct Optical {
     pub opacity: f64,
     /// Linear emitted colour.
     pub emission: [f64; 3],
+    /// Radiance added per unit distance, whatever the opacity.
+    pub source: [f64; 3],
 }
 
 /// A control point with decoded colours.
@@ -115,6 +126,7 @@ impl Curve {
                         color: colors.decode(p.color),
                         opacity: p.opacity,
                         emission: colors.decode(p.emission),
+                        source: p.source,
                     },
                 })
                 .collect(),
@@ -137,6 +149,7 @@ impl Curve {
             color: mix3(lo.optical.color, hi.optical.color),
             opacity: mix(lo.optical.opacity, hi.optical.opacity),
             emission: mix3(lo.optical.emission, hi.optical.emission),
+            source: mix3(lo.optical.source, hi.optical.source),
         }
     }
 
@@ -147,6 +160,18 @@ impl Curve {
             Some(p) if p.value == value => p.optical,
             _ => self.evaluate(value),
         }
+    }
+
+    /// True when some point adds light whatever its opacity.
+    pub fn glows(&self) -> bool {
+        let mut sources = self.points.iter().flat_map(|p| p.optical.source);
+        sources.any(|s| s > 0.0)
+    }
+
+    /// SHA-256 of the unit distance and every control point, as 64 hexadecimal digits, whatever file or preset they came from.
+    pub fn fingerprint(&self) -> String {
+        // Numbers are written so that they are read back as they are.
+        hexadecimal(Sha256::new_with_prefix(format!("{self:?}")))
     }
 
     /// True when some point emits.

@@ -10,6 +10,30 @@ pub static BARE: Module = Module {
     words: include_spirv!("bare.spv"),
 };
 
+/// `spirv/bare_light.spv`.
+pub static BARE_LIGHT: Module = Module {
+    name: "bare_light",
+    words: include_spirv!("bare_light.spv"),
+};
+
+/// `spirv/diffuse_gather.spv`.
+pub static DIFFUSE_GATHER: Module = Module {
+    name: "diffuse_gather",
+    words: include_spirv!("diffuse_gather.spv"),
+};
+
+/// `spirv/diffusion_relax.spv`.
+pub static DIFFUSION_RELAX: Module = Module {
+    name: "diffusion_relax",
+    words: include_spirv!("diffusion_relax.spv"),
+};
+
+/// `spirv/diffusion_source.spv`.
+pub static DIFFUSION_SOURCE: Module = Module {
+    name: "diffusion_source",
+    words: include_spirv!("diffusion_source.spv"),
+};
+
 /// `spirv/extremum.spv`.
 pub static EXTREMUM: Module = Module {
     name: "extremum",
@@ -32,6 +56,12 @@ pub static EXTREMUM_BLEND_RGBA32F: Module = Module {
 pub static EXTREMUM_BLEND_RGBA8: Module = Module {
     name: "extremum_blend_rgba8",
     words: include_spirv!("extremum_blend_rgba8.spv"),
+};
+
+/// `spirv/grid_medium.spv`.
+pub static GRID_MEDIUM: Module = Module {
+    name: "grid_medium",
+    words: include_spirv!("grid_medium.spv"),
 };
 
 /// `spirv/isosurface.spv`.
@@ -94,20 +124,103 @@ pub static MARCH_BLEND_RGBA8: Module = Module {
     words: include_spirv!("march_blend_rgba8.spv"),
 };
 
+/// `spirv/ordinates_gather.spv`.
+pub static ORDINATES_GATHER: Module = Module {
+    name: "ordinates_gather",
+    words: include_spirv!("ordinates_gather.spv"),
+};
+
+/// `spirv/ordinates_source.spv`.
+pub static ORDINATES_SOURCE: Module = Module {
+    name: "ordinates_source",
+    words: include_spirv!("ordinates_source.spv"),
+};
+
+/// `spirv/ordinates_sweep.spv`.
+pub static ORDINATES_SWEEP: Module = Module {
+    name: "ordinates_sweep",
+    words: include_spirv!("ordinates_sweep.spv"),
+};
+
+/// `spirv/pathtrace.spv`.
+pub static PATHTRACE: Module = Module {
+    name: "pathtrace",
+    words: include_spirv!("pathtrace.spv"),
+};
+
+/// `spirv/pathtrace_blend_rgba16f.spv`.
+pub static PATHTRACE_BLEND_RGBA16F: Module = Module {
+    name: "pathtrace_blend_rgba16f",
+    words: include_spirv!("pathtrace_blend_rgba16f.spv"),
+};
+
+/// `spirv/pathtrace_blend_rgba32f.spv`.
+pub static PATHTRACE_BLEND_RGBA32F: Module = Module {
+    name: "pathtrace_blend_rgba32f",
+    words: include_spirv!("pathtrace_blend_rgba32f.spv"),
+};
+
+/// `spirv/pathtrace_blend_rgba8.spv`.
+pub static PATHTRACE_BLEND_RGBA8: Module = Module {
+    name: "pathtrace_blend_rgba8",
+    words: include_spirv!("pathtrace_blend_rgba8.spv"),
+};
+
 /// `spirv/preintegrate.spv`.
 pub static PREINTEGRATE: Module = Module {
     name: "preintegrate",
     words: include_spirv!("preintegrate.spv"),
 };
 
+/// `spirv/shadow_sweep.spv`.
+pub static SHADOW_SWEEP: Module = Module {
+    name: "shadow_sweep",
+    words: include_spirv!("shadow_sweep.spv"),
+};
+
+/// `spirv/transport.spv`.
+pub static TRANSPORT: Module = Module {
+    name: "transport",
+    words: include_spirv!("transport.spv"),
+};
+
+/// `spirv/transport_blend_rgba16f.spv`.
+pub static TRANSPORT_BLEND_RGBA16F: Module = Module {
+    name: "transport_blend_rgba16f",
+    words: include_spirv!("transport_blend_rgba16f.spv"),
+};
+
+/// `spirv/transport_blend_rgba32f.spv`.
+pub static TRANSPORT_BLEND_RGBA32F: Module = Module {
+    name: "transport_blend_rgba32f",
+    words: include_spirv!("transport_blend_rgba32f.spv"),
+};
+
+/// `spirv/transport_blend_rgba8.spv`.
+pub static TRANSPORT_BLEND_RGBA8: Module = Module {
+    name: "transport_blend_rgba8",
+    words: include_spirv!("transport_blend_rgba8.spv"),
+};
+
+/// `spirv/zonal.spv`.
+pub static ZONAL: Module = Module {
+    name: "zonal",
+    words: include_spirv!("zonal.spv"),
+};
+
 /// Every module, by name.
 #[rustfmt::skip]
 pub static MODULES: &[&Module] = &[
     &BARE,
+    &BARE_LIGHT,
+    &DIFFUSE_GATHER,
+    &DIFFUSION_RELAX,
+    &DIFFUSION_SOURCE,
     &EXTREMUM,
     &EXTREMUM_BLEND_RGBA16F,
     &EXTREMUM_BLEND_RGBA32F,
     &EXTREMUM_BLEND_RGBA8,
+    &GRID_MEDIUM,
     &ISOSURFACE,
     &ISOSURFACE_BLEND_RGBA16F,
     &ISOSURFACE_BLEND_RGBA32F,
@@ -118,7 +231,20 @@ pub static MODULES: &[&Module] = &[
     &MARCH_BLEND_RGBA16F,
     &MARCH_BLEND_RGBA32F,
     &MARCH_BLEND_RGBA8,
+    &ORDINATES_GATHER,
+    &ORDINATES_SOURCE,
+    &ORDINATES_SWEEP,
+    &PATHTRACE,
+    &PATHTRACE_BLEND_RGBA16F,
+    &PATHTRACE_BLEND_RGBA32F,
+    &PATHTRACE_BLEND_RGBA8,
     &PREINTEGRATE,
+    &SHADOW_SWEEP,
+    &TRANSPORT,
+    &TRANSPORT_BLEND_RGBA16F,
+    &TRANSPORT_BLEND_RGBA32F,
+    &TRANSPORT_BLEND_RGBA8,
+    &ZONAL,
 ];
 
 pub const BINDING_VOLUME: u32 = 0;
@@ -167,6 +293,52 @@ pub const BINDING_LABELS: u32 = 21;
 
 pub const BINDING_LABEL_TABLE: u32 = 22;
 
+pub const BINDING_MEDIUM: u32 = 23;
+
+pub const BINDING_SHADOW: u32 = 24;
+
+pub const BINDING_SHADOW_STORE: u32 = 25;
+
+pub const BINDING_SCATTERED: u32 = 26;
+
+pub const BINDING_ENVIRONMENT: u32 = 27;
+
+pub const BINDING_PHASE: u32 = 28;
+
+pub const BINDING_THROUGH: u32 = 29;
+
+pub const BINDING_MAJORANT: u32 = 30;
+
+pub const BINDING_PATHS_SUM: u32 = 31;
+
+pub const BINDING_PATHS_SQUARE: u32 = 32;
+
+pub const BINDING_PATHS_THROUGH: u32 = 33;
+
+pub const BINDING_GRID_MEDIUM: u32 = 34;
+
+pub const BINDING_GRID_EMISSION: u32 = 35;
+
+pub const BINDING_GRID_MEDIUM_STORE: u32 = 36;
+
+pub const BINDING_GRID_EMISSION_STORE: u32 = 37;
+
+pub const BINDING_BINS: u32 = 38;
+
+pub const BINDING_PHASE_MATRIX: u32 = 39;
+
+pub const BINDING_INTENSITY_STORE: u32 = 40;
+
+pub const BINDING_SOURCE_STORE: u32 = 41;
+
+pub const BINDING_FLUENCE_STORE: u32 = 42;
+
+pub const BINDING_SCATTERED_STORE: u32 = 43;
+
+pub const BINDING_RESIDUAL: u32 = 44;
+
+pub const BINDING_COLOR: u32 = 45;
+
 pub const SPEC_INTERPOLATION: u32 = 0;
 
 pub const SPEC_BLOCKS_APART: u32 = 1;
@@ -202,3 +374,25 @@ pub const SPEC_XRAY: u32 = 15;
 pub const SPEC_PROJECTION: u32 = 16;
 
 pub const SPEC_LABELS: u32 = 17;
+
+pub const SPEC_MODEL: u32 = 18;
+
+pub const SPEC_PHASE: u32 = 19;
+
+pub const SPEC_GLOWS: u32 = 20;
+
+pub const SPEC_SHADOWS: u32 = 21;
+
+pub const SPEC_REFLECTANCE: u32 = 22;
+
+pub const SPEC_ENVIRONMENT: u32 = 23;
+
+pub const SPEC_CHROMATIC: u32 = 24;
+
+pub const SPEC_SCATTERED: u32 = 25;
+
+pub const SPEC_GLOBAL_MAJORANT: u32 = 26;
+
+pub const SPEC_COUNT: u32 = 27;
+
+pub const SPEC_DATA_COLOR: u32 = 28;

@@ -2,7 +2,7 @@
 //! `tests/shaders.rs` checks it against the SPIR-V.
 
 use super::generated::{self, *};
-use super::structs::{BarePush, LightPush, MarchPush, SeamPush};
+use super::structs::{BarePush, LightPush, MarchPush, ScatterPush, SeamPush, SweepPush};
 use super::{GpuStruct, Module, StructLayout};
 
 /// The interface of one compute pass.
@@ -82,6 +82,10 @@ const fn storage_read(number: u32) -> Binding {
     binding(number, DescriptorKind::StorageBuffer, Access::Read)
 }
 
+const fn storage_buffer(number: u32) -> Binding {
+    binding(number, DescriptorKind::StorageBuffer, Access::ReadWrite)
+}
+
 const fn storage_image(number: u32, access: Access) -> Binding {
     binding(number, DescriptorKind::StorageImage, access)
 }
@@ -144,9 +148,10 @@ const MARCH_SPEC_IDS: &[u32] = &[
     SPEC_GRADIENT,
     SPEC_XRAY,
     SPEC_LABELS,
+    SPEC_DATA_COLOR,
 ];
 
-const fn march_bindings(target: Access) -> [Binding; 14] {
+const fn march_bindings(target: Access) -> [Binding; 15] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -162,6 +167,7 @@ const fn march_bindings(target: Access) -> [Binding; 14] {
         sampled(BINDING_PREINTEGRATED_EMISSION),
         sampled(BINDING_LABELS),
         sampled(BINDING_LABEL_TABLE),
+        sampled(BINDING_COLOR),
     ]
 }
 
@@ -313,6 +319,7 @@ pub const LIGHT_TRACE: PassInterface = PassInterface {
         SPEC_UNIFORM_GRID,
         SPEC_EXACT_BINS,
         SPEC_LABELS,
+        SPEC_COUNT,
     ],
     local_size: [4, 4, 4],
 };
@@ -332,6 +339,385 @@ pub const LIGHT_SEAM: PassInterface = PassInterface {
     local_size: [4, 4, 4],
 };
 
+const TRANSPORT_SPEC_IDS: &[u32] = &[
+    SPEC_INTERPOLATION,
+    SPEC_BLOCKS_APART,
+    SPEC_SKIPPING,
+    SPEC_EMISSION,
+    SPEC_JITTER,
+    SPEC_AUX,
+    SPEC_SCENE_DEPTH,
+    SPEC_ENCODE_SRGB,
+    SPEC_MANUAL_FILTER,
+    SPEC_UNIFORM_GRID,
+    SPEC_EXACT_BINS,
+    SPEC_GRADIENT,
+    SPEC_LABELS,
+    SPEC_MODEL,
+    SPEC_PHASE,
+    SPEC_GLOWS,
+    SPEC_SHADOWS,
+    SPEC_REFLECTANCE,
+    SPEC_ENVIRONMENT,
+    SPEC_CHROMATIC,
+    SPEC_SCATTERED,
+];
+
+const fn transport_bindings(target: Access) -> [Binding; 17] {
+    [
+        uniform(BINDING_VOLUME),
+        uniform(BINDING_FRAME),
+        sampled(BINDING_ATLAS),
+        sampled(BINDING_INDEX),
+        sampled(BINDING_SKIP),
+        sampled(BINDING_TRANSFER),
+        sampled(BINDING_SCENE_DEPTH),
+        storage_image(BINDING_TARGET, target),
+        storage_image(BINDING_AUX, Access::Write),
+        sampled(BINDING_LABELS),
+        sampled(BINDING_LABEL_TABLE),
+        uniform(BINDING_MEDIUM),
+        sampled(BINDING_SHADOW),
+        sampled(BINDING_SCATTERED),
+        sampled(BINDING_ENVIRONMENT),
+        sampled(BINDING_PHASE),
+        storage_image(BINDING_THROUGH, Access::Write),
+    ]
+}
+
+/// Max's optical models.
+pub const TRANSPORT: PicturePasses = picture(
+    [
+        &generated::TRANSPORT,
+        &generated::TRANSPORT_BLEND_RGBA8,
+        &generated::TRANSPORT_BLEND_RGBA16F,
+        &generated::TRANSPORT_BLEND_RGBA32F,
+    ],
+    [
+        &transport_bindings(Access::Write),
+        &transport_bindings(Access::ReadWrite),
+    ],
+    TRANSPORT_SPEC_IDS,
+);
+
+const PATHTRACE_SPEC_IDS: &[u32] = &[
+    SPEC_INTERPOLATION,
+    SPEC_BLOCKS_APART,
+    SPEC_SKIPPING,
+    SPEC_EMISSION,
+    SPEC_JITTER,
+    SPEC_AUX,
+    SPEC_SCENE_DEPTH,
+    SPEC_ENCODE_SRGB,
+    SPEC_MANUAL_FILTER,
+    SPEC_UNIFORM_GRID,
+    SPEC_EXACT_BINS,
+    SPEC_LABELS,
+    SPEC_PHASE,
+    SPEC_GLOWS,
+    SPEC_ENVIRONMENT,
+    SPEC_GLOBAL_MAJORANT,
+];
+
+const fn pathtrace_bindings(target: Access) -> [Binding; 18] {
+    [
+        uniform(BINDING_VOLUME),
+        uniform(BINDING_FRAME),
+        sampled(BINDING_ATLAS),
+        sampled(BINDING_INDEX),
+        sampled(BINDING_SKIP),
+        sampled(BINDING_TRANSFER),
+        sampled(BINDING_SCENE_DEPTH),
+        storage_image(BINDING_TARGET, target),
+        storage_image(BINDING_AUX, Access::Write),
+        sampled(BINDING_LABELS),
+        sampled(BINDING_LABEL_TABLE),
+        uniform(BINDING_MEDIUM),
+        sampled(BINDING_ENVIRONMENT),
+        sampled(BINDING_PHASE),
+        sampled(BINDING_MAJORANT),
+        storage_image(BINDING_PATHS_SUM, Access::ReadWrite),
+        storage_image(BINDING_PATHS_SQUARE, Access::ReadWrite),
+        storage_image(BINDING_PATHS_THROUGH, Access::ReadWrite),
+    ]
+}
+
+/// Multiple scattering by Monte Carlo.
+pub const PATHTRACE: PicturePasses = picture(
+    [
+        &generated::PATHTRACE,
+        &generated::PATHTRACE_BLEND_RGBA8,
+        &generated::PATHTRACE_BLEND_RGBA16F,
+        &generated::PATHTRACE_BLEND_RGBA32F,
+    ],
+    [
+        &pathtrace_bindings(Access::Write),
+        &pathtrace_bindings(Access::ReadWrite),
+    ],
+    PATHTRACE_SPEC_IDS,
+);
+
+/// Of passes that look at the medium without a camera.
+const MEDIUM_SPEC_IDS: &[u32] = &[
+    SPEC_INTERPOLATION,
+    SPEC_BLOCKS_APART,
+    SPEC_SKIPPING,
+    SPEC_EMISSION,
+    SPEC_MANUAL_FILTER,
+    SPEC_UNIFORM_GRID,
+    SPEC_EXACT_BINS,
+    SPEC_LABELS,
+    SPEC_PHASE,
+    SPEC_GLOWS,
+    SPEC_ENVIRONMENT,
+];
+
+/// One layer of a sweep of flux from a light.
+pub const SHADOW_SWEEP: PassInterface = PassInterface {
+    module: &generated::SHADOW_SWEEP,
+    bindings: &[
+        uniform(BINDING_VOLUME),
+        sampled(BINDING_ATLAS),
+        sampled(BINDING_INDEX),
+        sampled(BINDING_SKIP),
+        sampled(BINDING_TRANSFER),
+        sampled(BINDING_LABELS),
+        sampled(BINDING_LABEL_TABLE),
+        uniform(BINDING_MEDIUM),
+        storage_image(BINDING_SHADOW_STORE, Access::ReadWrite),
+    ],
+    push_constants: Some(SweepPush::LAYOUT),
+    spec_ids: MEDIUM_SPEC_IDS,
+    local_size: [8, 8, 1],
+};
+
+/// The medium, averaged over the cells of the grid of scattered light.
+pub const GRID_MEDIUM: PassInterface = PassInterface {
+    module: &generated::GRID_MEDIUM,
+    bindings: &[
+        uniform(BINDING_VOLUME),
+        sampled(BINDING_ATLAS),
+        sampled(BINDING_INDEX),
+        sampled(BINDING_TRANSFER),
+        sampled(BINDING_LABELS),
+        sampled(BINDING_LABEL_TABLE),
+        uniform(BINDING_MEDIUM),
+        storage_image(BINDING_GRID_MEDIUM_STORE, Access::Write),
+        storage_image(BINDING_GRID_EMISSION_STORE, Access::Write),
+    ],
+    push_constants: None,
+    spec_ids: &[
+        SPEC_INTERPOLATION,
+        SPEC_BLOCKS_APART,
+        SPEC_EMISSION,
+        SPEC_MANUAL_FILTER,
+        SPEC_UNIFORM_GRID,
+        SPEC_EXACT_BINS,
+        SPEC_LABELS,
+        SPEC_GLOWS,
+    ],
+    local_size: [4, 4, 4],
+};
+
+/// Discrete ordinates: redistribution by the phase function.
+pub const ORDINATES_SOURCE: PassInterface = PassInterface {
+    module: &generated::ORDINATES_SOURCE,
+    bindings: &[
+        uniform(BINDING_VOLUME),
+        uniform(BINDING_MEDIUM),
+        sampled(BINDING_SHADOW),
+        sampled(BINDING_PHASE),
+        sampled(BINDING_GRID_MEDIUM),
+        sampled(BINDING_GRID_EMISSION),
+        sampled(BINDING_BINS),
+        sampled(BINDING_PHASE_MATRIX),
+        storage_image(BINDING_INTENSITY_STORE, Access::Read),
+        storage_image(BINDING_SOURCE_STORE, Access::Write),
+        storage_image(BINDING_FLUENCE_STORE, Access::ReadWrite),
+        storage_buffer(BINDING_RESIDUAL),
+    ],
+    push_constants: Some(ScatterPush::LAYOUT),
+    spec_ids: &[
+        SPEC_INTERPOLATION,
+        SPEC_BLOCKS_APART,
+        SPEC_EMISSION,
+        SPEC_MANUAL_FILTER,
+        SPEC_UNIFORM_GRID,
+        SPEC_EXACT_BINS,
+        SPEC_LABELS,
+        SPEC_PHASE,
+        SPEC_GLOWS,
+        SPEC_ENVIRONMENT,
+    ],
+    local_size: [4, 4, 4],
+};
+
+/// Discrete ordinates: propagation by one layer.
+pub const ORDINATES_SWEEP: PassInterface = PassInterface {
+    module: &generated::ORDINATES_SWEEP,
+    bindings: &[
+        uniform(BINDING_VOLUME),
+        uniform(BINDING_MEDIUM),
+        sampled(BINDING_ENVIRONMENT),
+        sampled(BINDING_GRID_MEDIUM),
+        sampled(BINDING_BINS),
+        storage_image(BINDING_INTENSITY_STORE, Access::ReadWrite),
+        storage_image(BINDING_SOURCE_STORE, Access::Read),
+    ],
+    push_constants: Some(ScatterPush::LAYOUT),
+    spec_ids: &[
+        SPEC_INTERPOLATION,
+        SPEC_BLOCKS_APART,
+        SPEC_EMISSION,
+        SPEC_MANUAL_FILTER,
+        SPEC_UNIFORM_GRID,
+        SPEC_EXACT_BINS,
+        SPEC_LABELS,
+        SPEC_PHASE,
+        SPEC_GLOWS,
+        SPEC_ENVIRONMENT,
+    ],
+    local_size: [8, 8, 1],
+};
+
+/// Discrete ordinates: what is scattered towards the eye.
+pub const ORDINATES_GATHER: PassInterface = PassInterface {
+    module: &generated::ORDINATES_GATHER,
+    bindings: &[
+        uniform(BINDING_VOLUME),
+        uniform(BINDING_MEDIUM),
+        sampled(BINDING_PHASE),
+        sampled(BINDING_BINS),
+        storage_image(BINDING_INTENSITY_STORE, Access::Read),
+        storage_image(BINDING_SCATTERED_STORE, Access::Write),
+    ],
+    push_constants: Some(ScatterPush::LAYOUT),
+    spec_ids: &[
+        SPEC_INTERPOLATION,
+        SPEC_BLOCKS_APART,
+        SPEC_EMISSION,
+        SPEC_MANUAL_FILTER,
+        SPEC_UNIFORM_GRID,
+        SPEC_EXACT_BINS,
+        SPEC_LABELS,
+        SPEC_PHASE,
+        SPEC_GLOWS,
+    ],
+    local_size: [4, 4, 4],
+};
+
+/// Source of diffusion, and of the zonal method.
+pub const DIFFUSION_SOURCE: PassInterface = PassInterface {
+    module: &generated::DIFFUSION_SOURCE,
+    bindings: &[
+        uniform(BINDING_VOLUME),
+        uniform(BINDING_MEDIUM),
+        sampled(BINDING_SHADOW),
+        sampled(BINDING_GRID_MEDIUM),
+        sampled(BINDING_GRID_EMISSION),
+        storage_image(BINDING_SOURCE_STORE, Access::ReadWrite),
+        storage_image(BINDING_FLUENCE_STORE, Access::ReadWrite),
+    ],
+    push_constants: Some(ScatterPush::LAYOUT),
+    spec_ids: &[
+        SPEC_INTERPOLATION,
+        SPEC_BLOCKS_APART,
+        SPEC_EMISSION,
+        SPEC_MANUAL_FILTER,
+        SPEC_UNIFORM_GRID,
+        SPEC_EXACT_BINS,
+        SPEC_LABELS,
+        SPEC_PHASE,
+        SPEC_GLOWS,
+        SPEC_ENVIRONMENT,
+    ],
+    local_size: [4, 4, 4],
+};
+
+/// Diffusion: half a step of relaxation.
+pub const DIFFUSION_RELAX: PassInterface = PassInterface {
+    module: &generated::DIFFUSION_RELAX,
+    bindings: &[
+        uniform(BINDING_VOLUME),
+        uniform(BINDING_MEDIUM),
+        sampled(BINDING_ENVIRONMENT),
+        sampled(BINDING_GRID_MEDIUM),
+        storage_image(BINDING_SOURCE_STORE, Access::ReadWrite),
+        storage_image(BINDING_FLUENCE_STORE, Access::ReadWrite),
+        storage_buffer(BINDING_RESIDUAL),
+    ],
+    push_constants: Some(ScatterPush::LAYOUT),
+    spec_ids: &[
+        SPEC_INTERPOLATION,
+        SPEC_BLOCKS_APART,
+        SPEC_EMISSION,
+        SPEC_MANUAL_FILTER,
+        SPEC_UNIFORM_GRID,
+        SPEC_EXACT_BINS,
+        SPEC_LABELS,
+        SPEC_PHASE,
+        SPEC_GLOWS,
+        SPEC_ENVIRONMENT,
+    ],
+    local_size: [4, 4, 4],
+};
+
+/// Diffusion and the zonal method: what is scattered towards the eye.
+pub const DIFFUSE_GATHER: PassInterface = PassInterface {
+    module: &generated::DIFFUSE_GATHER,
+    bindings: &[
+        uniform(BINDING_VOLUME),
+        uniform(BINDING_MEDIUM),
+        sampled(BINDING_GRID_MEDIUM),
+        storage_image(BINDING_SOURCE_STORE, Access::ReadWrite),
+        storage_image(BINDING_FLUENCE_STORE, Access::ReadWrite),
+        storage_image(BINDING_SCATTERED_STORE, Access::Write),
+    ],
+    push_constants: Some(ScatterPush::LAYOUT),
+    spec_ids: &[
+        SPEC_INTERPOLATION,
+        SPEC_BLOCKS_APART,
+        SPEC_EMISSION,
+        SPEC_MANUAL_FILTER,
+        SPEC_UNIFORM_GRID,
+        SPEC_EXACT_BINS,
+        SPEC_LABELS,
+        SPEC_PHASE,
+        SPEC_GLOWS,
+        SPEC_ENVIRONMENT,
+    ],
+    local_size: [4, 4, 4],
+};
+
+/// The zonal method: one exchange between all zones.
+pub const ZONAL: PassInterface = PassInterface {
+    module: &generated::ZONAL,
+    bindings: &[
+        uniform(BINDING_VOLUME),
+        uniform(BINDING_MEDIUM),
+        sampled(BINDING_ENVIRONMENT),
+        sampled(BINDING_GRID_MEDIUM),
+        sampled(BINDING_BINS),
+        storage_image(BINDING_SOURCE_STORE, Access::ReadWrite),
+        storage_image(BINDING_FLUENCE_STORE, Access::ReadWrite),
+        storage_buffer(BINDING_RESIDUAL),
+    ],
+    push_constants: Some(ScatterPush::LAYOUT),
+    spec_ids: &[
+        SPEC_INTERPOLATION,
+        SPEC_BLOCKS_APART,
+        SPEC_EMISSION,
+        SPEC_MANUAL_FILTER,
+        SPEC_UNIFORM_GRID,
+        SPEC_EXACT_BINS,
+        SPEC_LABELS,
+        SPEC_PHASE,
+        SPEC_GLOWS,
+        SPEC_ENVIRONMENT,
+    ],
+    local_size: [8, 8, 1],
+};
+
 /// The bench's bare march.
 pub const BARE: PassInterface = PassInterface {
     module: &generated::BARE,
@@ -345,6 +731,22 @@ pub const BARE: PassInterface = PassInterface {
     push_constants: Some(BarePush::LAYOUT),
     spec_ids: &[SPEC_EMISSION, SPEC_EXACT_BINS],
     local_size: [8, 8, 1],
+};
+
+/// The bench's bare light.
+pub const BARE_LIGHT: PassInterface = PassInterface {
+    module: &generated::BARE_LIGHT,
+    bindings: &[
+        uniform(BINDING_VOLUME),
+        sampled(BINDING_TRANSFER),
+        storage_read(BINDING_BRICKS),
+        storage_read(BINDING_WORK),
+        storage_image(BINDING_LIGHT_STORE, Access::Write),
+        sampled(BINDING_VOXELS),
+    ],
+    push_constants: Some(LightPush::LAYOUT),
+    spec_ids: &[SPEC_EMISSION, SPEC_UNIFORM_GRID, SPEC_EXACT_BINS],
+    local_size: [4, 4, 4],
 };
 
 /// Every pass. A module in `spirv/` that is missing here fails `tests/shaders.rs`.
@@ -361,8 +763,26 @@ pub const PASSES: &[PassInterface] = &[
     ISOSURFACE.blend_rgba8,
     ISOSURFACE.blend_rgba16f,
     ISOSURFACE.blend_rgba32f,
+    TRANSPORT.any,
+    TRANSPORT.blend_rgba8,
+    TRANSPORT.blend_rgba16f,
+    TRANSPORT.blend_rgba32f,
+    PATHTRACE.any,
+    PATHTRACE.blend_rgba8,
+    PATHTRACE.blend_rgba16f,
+    PATHTRACE.blend_rgba32f,
     PREINTEGRATE,
     LIGHT_TRACE,
     LIGHT_SEAM,
+    SHADOW_SWEEP,
+    GRID_MEDIUM,
+    ORDINATES_SOURCE,
+    ORDINATES_SWEEP,
+    ORDINATES_GATHER,
+    DIFFUSION_SOURCE,
+    DIFFUSION_RELAX,
+    DIFFUSE_GATHER,
+    ZONAL,
     BARE,
+    BARE_LIGHT,
 ];

@@ -106,8 +106,8 @@ gpu_struct! {
         pub value_from_sample: f32,
         /// And summand.
         pub value_offset: f32,
-        /// Unused.
-        pub pad0: f32,
+        /// Factor on the radiance that leaves the volume.
+        pub exposure: f32,
         /// Unused.
         pub pad1: f32,
         /// Unused.
@@ -207,6 +207,98 @@ gpu_struct! {
     }
 }
 
+gpu_struct! {
+    /// Optical models beyond emission and absorption: what the medium is and what lights it. Radiance and its like are linear.
+    pub struct MediumParams {
+        /// Factors on the transfer function's extinction, by channel.
+        pub extinction: [f32; 3],
+        /// Length of a whole sample of the transfer-function table.
+        pub sample_mm: f32,
+        /// Factors on the transfer function's colour.
+        pub albedo: [f32; 3],
+        /// Length of a whole sample in unit distances.
+        pub unit_exponent: f32,
+        /// Parameters of the phase function.
+        pub phase: [f32; 4],
+        /// Strength per unit of a texture sample (signed), weight of highlights, exponent, roughness.
+        pub surface: [f32; 4],
+        /// Largest extinction per mm, least majorant per mm, scatterings of a path at most.
+        pub tracking: [f32; 4],
+        /// Radiance, or factor on the map; w > 0: drawn behind the volume.
+        pub environment: [f32; 4],
+        /// The map's axes in world space.
+        pub environment_x: [f32; 4],
+        /// See `environment_x`.
+        pub environment_y: [f32; 4],
+        /// Towards the map's upper edge.
+        pub environment_z: [f32; 4],
+        /// Rows of world from index.
+        pub ws_from_ix_x: [f32; 4],
+        /// See `ws_from_ix_x`.
+        pub ws_from_ix_y: [f32; 4],
+        /// See `ws_from_ix_x`.
+        pub ws_from_ix_z: [f32; 4],
+        /// Rows of index units per mm of world directions.
+        pub ix_from_ws_x: [f32; 4],
+        /// See `ix_from_ws_x`.
+        pub ix_from_ws_y: [f32; 4],
+        /// See `ix_from_ws_x`.
+        pub ix_from_ws_z: [f32; 4],
+        /// Points of the swept light volume.
+        pub shadow_points: [i32; 3],
+        /// Unit distance of the transfer function.
+        pub unit_mm: f32,
+        /// Points of the volume of scattered light.
+        pub scatter_points: [i32; 3],
+        /// Lights in use.
+        pub light_count: u32,
+        /// Unit vector towards the light, w = 0; or its position, mm, w = 1.
+        pub light_place: [[f32; 4]; 8],
+        /// Irradiance, or intensity; w: cutoff angle (radians), 0 for none.
+        pub light_color: [[f32; 4]; 8],
+        /// Along a spot's beam; w: angle up to which it is whole (radians).
+        pub light_axis: [[f32; 4]; 8],
+    }
+}
+
+gpu_struct! {
+    /// Part of a sweep of flux.
+    pub struct SweepPush {
+        /// Index of the light.
+        pub light: u32,
+        /// Axis across the layers.
+        pub axis: u32,
+        /// Layer of points to compute.
+        pub layer: i32,
+        /// Layer nearer to the light; the same: the first one.
+        pub previous: i32,
+    }
+}
+
+gpu_struct! {
+    /// Scattered light on its grid: one step of a solver.
+    pub struct ScatterPush {
+        /// Position of the eye, mm, w = 1; or the direction towards it, w = 0.
+        pub eye: [f32; 4],
+        /// Iteration, or layer of a sweep.
+        pub step: u32,
+        /// Directions of the discrete ordinates.
+        pub bins: u32,
+        /// Tiles of bins side by side in their images; of diffusion the colour; of a gathering the tile.
+        pub columns: u32,
+        /// What the step leaves out (`scatter_grid.glsl`).
+        pub flags: u32,
+        /// Factor on a step of relaxation.
+        pub over_relaxation: f32,
+        /// Of the phase function.
+        pub mean_cosine: f32,
+        /// Unused.
+        pub pad0: f32,
+        /// Unused.
+        pub pad1: f32,
+    }
+}
+
 /// Every mirror. A GLSL struct that the host fills or reads and that is missing here fails `tests/shaders.rs`.
 pub const ALL: &[StructLayout] = &[
     VolumeParams::LAYOUT,
@@ -217,4 +309,7 @@ pub const ALL: &[StructLayout] = &[
     SeamPush::LAYOUT,
     BrickRecord::LAYOUT,
     BarePush::LAYOUT,
+    MediumParams::LAYOUT,
+    SweepPush::LAYOUT,
+    ScatterPush::LAYOUT,
 ];

@@ -1,5 +1,7 @@
 //! What a file says of its content, beyond voxels and placement.
 
+use std::collections::BTreeMap;
+
 /// What voxels measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
@@ -24,6 +26,8 @@ pub struct Metadata {
     pub content: Option<(Content, String)>,
     /// The file ties the axes of the world to a patient: left, posterior, superior.
     pub patient_axes: bool,
+    /// Names of labels.
+    pub label_names: BTreeMap<i32, String>,
 }
 
 impl Metadata {
@@ -32,7 +36,7 @@ impl Metadata {
         let known = names.iter().find(|(name, _)| *name == value);
         Self {
             content: known.map(|&(name, content)| (content, format!("{key} {name}"))),
-            patient_axes: false,
+            ..Self::default()
         }
     }
 

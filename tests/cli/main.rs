@@ -7,9 +7,11 @@ use std::process::{Command, Stdio};
 
 use serde_json::{Value, json};
 
+mod bench;
 mod conformance;
 mod labels;
 mod probe;
+mod procedural;
 mod reproduce;
 mod transfer;
 mod workplace;
@@ -440,32 +442,6 @@ fn tiles_change_no_pixel() {
         "4294967295",
     ]);
     assert!(fs::read(place.path("a.exr")).unwrap() == fs::read(place.path("c.exr")).unwrap());
-}
-
-#[test]
-fn bench_prints_json() {
-    let place = Workplace::new();
-    let args = [
-        "bench",
-        "scene.json",
-        "--frames",
-        "3",
-        "--warmup",
-        "1",
-        "--orbit",
-        "-10",
-        "--json",
-    ];
-    let report: Value = serde_json::from_str(&place.succeed(&args)).unwrap();
-    let [min, median, max] =
-        ["min", "median", "max"].map(|key| report["frame_ms"][key].as_f64().unwrap());
-    assert!(0.0 < min && min <= median && median <= max, "{report}");
-    assert_stats(&report["stats"]);
-    assert!(
-        place
-            .succeed(&["bench", "scene.json", "--frames", "1"])
-            .contains("frame_ms.median")
-    );
 }
 
 #[test]

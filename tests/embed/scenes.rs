@@ -86,6 +86,7 @@ pub(crate) fn point(value: f64, color: [f64; 3], opacity: f64, emission: [f64; 3
         color,
         opacity,
         emission,
+        source: [0.0; 3],
     }
 }
 

@@ -29,6 +29,7 @@ fn scene(volume: &Volume, size: [u32; 2]) -> Scene {
         color,
         opacity,
         emission: [0.0; 3],
+        source: [0.0; 3],
     };
     Scene {
         volume: VolumeSource {

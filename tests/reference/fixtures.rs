@@ -42,6 +42,7 @@ pub(crate) fn curve(unit_distance: f64, points: &[(f64, [f64; 3], f64, [f64; 3])
                     color,
                     opacity,
                     emission,
+                    source: [0.0; 3],
                 },
             })
             .collect(),
@@ -93,6 +94,7 @@ impl Tracer {
             surfaces: &self.surfaces,
             lighting: &self.lighting,
             light: self.light.as_ref(),
+            data_color: None,
             labels: None,
             depth_threshold: self.depth_threshold,
             jitter: None,

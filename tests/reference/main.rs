@@ -3,6 +3,10 @@
 
 #[path = "../common/scenes.rs"]
 mod scenes;
+#[path = "../common/transport_scenes.rs"]
+mod transport_scenes;
+#[path = "../common/z_test.rs"]
+mod z_test;
 
 mod fixtures;
 
@@ -14,6 +18,8 @@ mod gradients;
 mod isosurfaces;
 mod light;
 mod march;
+mod mitsuba;
 mod profiles;
 mod projections;
 mod scenes_are_fair;
+mod transport;

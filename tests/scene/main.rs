@@ -4,6 +4,8 @@ mod camera;
 mod content;
 mod first_picture;
 mod messages;
+mod phase;
+mod procedural;
 mod transfer_file;
 mod transfer_function;
 

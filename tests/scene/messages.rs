@@ -56,7 +56,7 @@ fn unknown_keys_name_the_nearest_valid_one() {
 fn missing_keys_say_what_to_give() {
     assert_eq!(
         error(parse("{}")),
-        "volume: missing; give an object with channel, labels, level, path, raw, series, strict, timestep"
+        "volume: missing; give an object with channel, labels, level, path, procedural, raw, series, strict, timestep"
     );
     assert_eq!(
         message(json!({ "camera": { "eye": [0, 0, 0] } })),
@@ -130,8 +130,9 @@ fn names_that_this_version_lacks_are_refused() {
              \"bspline\", \"catmull_rom\"",
         ),
         (
-            json!({ "lighting": { "model": "absorption" } }),
-            "lighting.model: \"absorption\" is not available; this version has \"emission_absorption\"",
+            json!({ "lighting": { "model": "radiosity" } }),
+            "lighting.model: \"radiosity\" is not available; this version has \"absorption\", \"emission\", \
+             \"emission_absorption\", \"single_scattering\", \"shadowed_scattering\", \"multiple_scattering\"",
         ),
         (
             json!({ "lighting": { "shading": "phong" } }),
@@ -148,7 +149,7 @@ fn names_that_this_version_lacks_are_refused() {
         (
             json!({ "transfer_function": { "preset": "ct_bone" } }),
             "transfer_function.preset: \"ct_bone\" is not available; did you mean \"ct-bone\"? \
-             This version has boundaries, ct-angio, ct-bone, ct-lung, ct-muscle-and-skin, ct-soft-tissue, labels, \
+             This version has boundaries, colors, ct-angio, ct-bone, ct-lung, ct-muscle-and-skin, ct-soft-tissue, labels, \
              micro-ct, microscopy, mr-angio, mr-default, simulation",
         ),
     ] {
@@ -250,7 +251,7 @@ fn ranges() {
         ),
         (
             json!({ "volume": { "path": "" } }),
-            "volume.path: empty; give a file",
+            "volume.path: missing or empty; give a file, or \"procedural\" in its place",
         ),
         (
             json!({ "volume": { "path": "x", "raw": { "size": [8, 1, 8], "type": "u8" } } }),
@@ -399,7 +400,7 @@ fn labels_say_what_is_valid() {
         ),
         (
             json!({ "path": "a", "shown": [1] }),
-            "volume.labels.shown: unknown key; did you mean \"show\"? Valid here: colors, hide, path, show, tint",
+            "volume.labels.shown: unknown key; did you mean \"show\"? Valid here: channel, colors, hide, path, series, show, tint",
         ),
         (
             json!({ "path": "a", "show": [0.5] }),
@@ -428,4 +429,34 @@ fn labels_say_what_is_valid() {
     ] {
         assert_eq!(labels(value), expected);
     }
+}
+
+#[test]
+fn colors_of_the_data() {
+    let colors = |more: Value, color: &str| {
+        let mut scene = json!({ "volume": { "path": "x", "color": color } });
+        for (key, value) in more.as_object().unwrap() {
+            scene[key] = value.clone();
+        }
+        parse(&scene.to_string())
+    };
+    for projection in ["maximum", "minimum", "mean", "xray", "isosurface"] {
+        let march = json!({ "march": { "projection": projection } });
+        assert!(colors(march.clone(), "transfer_function").is_ok());
+        assert_eq!(
+            error(colors(march, "data")),
+            "volume.color: \"data\" needs the projection \"composite\", others draw values and surfaces; give \
+             \"transfer_function\""
+        );
+    }
+    assert_eq!(
+        error(parse(
+            r#"{"volume":{"path":"x","color":"data","channel":1}}"#
+        )),
+        "volume.color: \"data\" draws all channels as colours, volume.channel reads one of them; give one of the two"
+    );
+    assert_eq!(
+        error(colors(json!({}), "datum")),
+        "volume.color: \"datum\" is not available; this version has \"data\", \"transfer_function\""
+    );
 }

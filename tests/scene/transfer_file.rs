@@ -178,6 +178,7 @@ fn every_form_comes_back() {
             color: [value / 10.0, 1.0 - opacity, 0.3],
             opacity,
             emission: [0.0; 3],
+            source: [0.0; 3],
         });
     let mut functions = vec![jump.to_vec()];
     functions.extend(PRESETS.iter().filter_map(|p| p.fixed_points()));

@@ -183,6 +183,10 @@ pub(crate) struct BenchArgs {
     /// Degrees that the camera turns about the volume from frame to frame.
     #[arg(long, default_value_t = 5.0, value_name = "DEGREES", value_parser = finite, allow_negative_numbers = true)]
     pub(crate) orbit: f64,
+    /// Draw a frame for each line on stdin and answer with its times, a line of JSON, so that another program can take turns
+    /// frame by frame; --frames does not matter then. The report follows the last line.
+    #[arg(long)]
+    pub(crate) paced: bool,
     /// Print JSON.
     #[arg(long)]
     pub(crate) json: bool,

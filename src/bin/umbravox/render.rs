@@ -22,6 +22,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
             return Err(Error::invalid("--volume", message));
         }
         job.scene.volume.path = path.clone();
+        job.scene.volume.procedural = None;
     }
     let mut places = Vec::new();
     for path in args.outputs.iter().chain(&args.stats) {
@@ -109,7 +110,7 @@ impl Job {
             format!(
                 "was rendered from data {}, but {} holds data {found}; give the data with --volume",
                 recorded.data,
-                self.scene.volume.path.display()
+                self.scene.volume.name()
             ),
         ))
     }
@@ -123,7 +124,12 @@ impl Job {
                 // A file says the same, and finds its data, wherever the program was started.
                 let scene = &mut provenance.scene;
                 let labels = scene.volume.labels.iter_mut().map(|l| &mut l.path);
-                let files = [&mut scene.volume.path].into_iter().chain(labels);
+                let is_file = scene.volume.procedural.is_none();
+                let volume = is_file.then_some(&mut scene.volume.path);
+                let files = volume.into_iter().chain(labels);
+                let map = scene.lighting.environment.iter_mut();
+                let map = map.filter_map(|environment| environment.path.as_mut());
+                let files = files.chain(map).chain(&mut scene.image.background_image);
                 for path in files.chain(&mut scene.transfer_function.file) {
                     *path = std::path::absolute(&*path).map_err(|e| Error::io(&*path, e))?;
                 }

@@ -27,6 +27,8 @@ pub enum Modality {
     Microscopy,
     /// A computed or measured field that is smooth.
     Simulation,
+    /// Photographs of sections, and whatever else has colours of its own.
+    Color,
     /// Each value names a segment.
     Labels,
 }
@@ -40,6 +42,7 @@ impl Modality {
             Self::MicroCt | Self::Ultrasound => "boundaries",
             Self::Microscopy => "microscopy",
             Self::Simulation | Self::Nuclear => "simulation",
+            Self::Color => "colors",
             Self::Labels => "labels",
         }
     }
@@ -95,6 +98,9 @@ impl Guess {
                 ""
             };
             return guess(modality, format!("the file says so: {key}{but}"));
+        }
+        if volume.colors().is_some() {
+            return guess(Modality::Color, "voxels are colours".into());
         }
         if let Some(reason) = labels::reason(volume) {
             return guess(Modality::Labels, reason);

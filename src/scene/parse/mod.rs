@@ -12,7 +12,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::Scene;
+use super::{Environment, Scene};
 use crate::error::{Error, Result};
 
 pub use overrides::Override;
@@ -67,12 +67,23 @@ impl Scene {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut scene = Self::from_value(unique_keys::parse(text)?, overrides)?;
         // `join` keeps an absolute path as it is.
-        scene.volume.path = folder.join(&scene.volume.path);
+        if scene.volume.procedural.is_none() {
+            scene.volume.path = folder.join(&scene.volume.path);
+        }
         if let Some(labels) = &mut scene.volume.labels {
             labels.path = folder.join(&labels.path);
         }
         if let Some(file) = &mut scene.transfer_function.file {
             *file = folder.join(&*file);
+        }
+        if let Some(picture) = &mut scene.image.background_image {
+            *picture = folder.join(&*picture);
+        }
+        if let Some(Environment {
+            path: Some(path), ..
+        }) = &mut scene.lighting.environment
+        {
+            *path = folder.join(&*path);
         }
         Ok(scene)
     }

@@ -36,6 +36,11 @@ fn check_alternatives(value: &Value, schema: &Value, choices: &[Value], at: &str
     if choices.iter().any(|c| c.get("const") == Some(value)) {
         return Ok(());
     }
+    // "These variants or null".
+    let nested = choices.iter().find(|c| alternatives(c).is_some());
+    if let Some(variants) = nested.filter(|_| !value.is_null()) {
+        return check_at(value, variants, at);
+    }
     if let Value::Object(object) = value {
         let objects: Vec<&Value> = choices
             .iter()
@@ -43,7 +48,7 @@ fn check_alternatives(value: &Value, schema: &Value, choices: &[Value], at: &str
             .collect();
         match objects[..] {
             [] => {}
-            [only] => return check_at(value, only, at),
+            [only] if !tag_of(only).is_string() => return check_at(value, only, at),
             _ => return check_variant(object, value, &objects, at),
         }
     }

@@ -43,6 +43,7 @@ pub(super) fn control_points(volume: &Volume) -> Vec<ControlPoint> {
                 color,
                 opacity,
                 emission: [0.0; 3],
+                source: [0.0; 3],
             });
         }
     }
@@ -52,6 +53,7 @@ pub(super) fn control_points(volume: &Volume) -> Vec<ControlPoint> {
             color: [1.0; 3],
             opacity: OPACITY,
             emission: [0.0; 3],
+            source: [0.0; 3],
         });
     }
     points

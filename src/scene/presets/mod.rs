@@ -122,5 +122,6 @@ fn control_point((value, color, opacity): (f64, [f64; 3], f64)) -> ControlPoint 
         color,
         opacity,
         emission: [0.0; 3],
+        source: [0.0; 3],
     }
 }

@@ -88,6 +88,7 @@ impl Map {
                 color: [r, g, b].map(|c| c.clamp(0.0, 1.0)),
                 opacity: opacity.clamp(0.0, 1.0),
                 emission: [0.0; 3],
+                source: [0.0; 3],
             })
             .collect()
     }

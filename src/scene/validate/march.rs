@@ -4,7 +4,7 @@ use super::{
     MAX_ISOSURFACES, Number, check_step, finite, is_share, numbers, positive_share, require,
 };
 use crate::error::{Error, Result};
-use crate::scene::{AmbientOcclusion, Classification, Lighting, March, RayProjection, Shading};
+use crate::scene::{Classification, March, RayProjection};
 
 pub(super) fn check_march(march: &March) -> Result<()> {
     check_step("march.step", march.step)?;
@@ -95,34 +95,6 @@ fn check_isosurfaces(march: &March) -> Result<()> {
                 "three numbers from 0 to 1",
             )?;
         }
-    }
-    Ok(())
-}
-
-/// Refuses what parts of a scene cannot mean together.
-pub(crate) fn check_together(
-    march: &March,
-    lighting: &Lighting,
-    occlusion: Option<&AmbientOcclusion>,
-) -> Result<()> {
-    if matches!(
-        march.projection,
-        RayProjection::Composite | RayProjection::Isosurface
-    ) {
-        return Ok(());
-    }
-    let lit = "needs light, which only the projections \"composite\" and \"isosurface\" have";
-    if lighting.shading != Shading::None {
-        return Err(Error::invalid(
-            "lighting.shading",
-            format!("{lit}; give \"none\""),
-        ));
-    }
-    if occlusion.is_some() {
-        return Err(Error::invalid(
-            "ambient_occlusion",
-            format!("{lit}; give null"),
-        ));
     }
     Ok(())
 }

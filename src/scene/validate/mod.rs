@@ -1,19 +1,24 @@
 //! Ranges of everything in a scene that does not need the volume.
 
+mod lighting;
 mod march;
 
 use std::fmt::Debug;
 
+use lighting::check_lighting;
+pub(crate) use lighting::check_together;
 use march::check_march;
-pub(crate) use march::check_together;
 
 use super::{
     AmbientOcclusion, Image, Lighting, March, RawDescription, Scene, Storage, TransferFunction,
+    VolumeColor, check_data_color,
 };
 use crate::error::{Error, Result};
 
 /// Largest width or height of a picture, pixels.
 pub const MAX_IMAGE_SIZE: u32 = 16_384;
+/// Largest exposure, stops, either way.
+pub const MAX_EXPOSURE: f64 = 64.0;
 /// Shortest march or ambient occlusion step, voxels.
 pub const MIN_STEP: f64 = 0.001;
 /// Most directions of ambient occlusion.
@@ -33,14 +38,21 @@ impl Scene {
     /// # Errors
     /// [`Error::Invalid`] naming the first key that is out of range, its value and what would be valid.
     pub fn validate(&self) -> Result<()> {
-        if self.volume.path.as_os_str().is_empty() {
-            return Err(Error::invalid("volume.path", "empty; give a file"));
-        }
+        self.volume.validate()?;
         if let Some(raw) = &self.volume.raw {
             check_raw(raw)?;
         }
         if let Some(labels) = &self.volume.labels {
             labels.validate()?;
+        }
+        if self.volume.color == Some(VolumeColor::Data) {
+            check_data_color(&self.march, &self.lighting, false)?;
+            if self.volume.channel.is_some() {
+                return Err(Error::invalid(
+                    "volume.color",
+                    "\"data\" draws all channels as colours, volume.channel reads one of them; give one of the two",
+                ));
+            }
         }
         self.camera.validate()?;
         check_image(&self.image)?;
@@ -91,7 +103,7 @@ fn positive_share(value: f64) -> bool {
     value > 0.0 && value <= 1.0
 }
 
-fn not_negative(value: f64) -> bool {
+pub(in crate::scene) fn not_negative(value: f64) -> bool {
     finite(value) && value >= 0.0
 }
 
@@ -145,6 +157,12 @@ fn check_image(image: &Image) -> Result<()> {
         "three numbers from 0 to 1",
     )?;
     require(
+        image.exposure.abs() <= MAX_EXPOSURE,
+        "image.exposure",
+        Number(image.exposure),
+        &format!("a number from -{MAX_EXPOSURE} to {MAX_EXPOSURE} (stops)"),
+    )?;
+    require(
         matches!(image.png_bits, 8 | 16),
         "image.png_bits",
         image.png_bits,
@@ -158,20 +176,7 @@ fn check_image(image: &Image) -> Result<()> {
     )
 }
 
-fn check_lighting(lighting: &Lighting) -> Result<()> {
-    if let Some(direction) = lighting.direction {
-        check_direction("lighting.direction", direction)?;
-    }
-    for (at, share) in [
-        ("lighting.ambient", lighting.ambient),
-        ("lighting.diffuse", lighting.diffuse),
-    ] {
-        require(not_negative(share), at, Number(share), "a number >= 0")?;
-    }
-    Ok(())
-}
-
-fn check_direction(at: &str, direction: [f64; 3]) -> Result<()> {
+pub(in crate::scene) fn check_direction(at: &str, direction: [f64; 3]) -> Result<()> {
     require(
         all_finite(direction) && direction.into_iter().any(|x| positive(x.abs())),
         at,
@@ -346,6 +351,12 @@ impl TransferFunction {
                 numbers(point.emission),
                 &format!("three numbers from 0 to {MAX_EMISSION}"),
             )?;
+            require(
+                point.source.into_iter().all(not_negative),
+                &at("source"),
+                numbers(point.source),
+                "three numbers >= 0",
+            )?;
         }
         Ok(())
     }
@@ -393,6 +404,7 @@ fn check_curve(curve: &crate::scene::Curve) -> Result<()> {
         let valid = finite(point.value)
             && is_share(optical.opacity)
             && optical.color.into_iter().all(not_negative)
+            && optical.source.into_iter().all(not_negative)
             && optical
                 .emission
                 .into_iter()

@@ -1,0 +1,34 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// The bench's limit for light: as many samples for each sample of the light volume as a ray has parts, each one texture read
+// and one look-up of the transfer function.
+
+#include "bindings.glsl"
+#include "structs.glsl"
+#include "volume.glsl"
+#include "classify.glsl"
+#include "light_work.glsl"
+
+layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
+
+layout(set = 0, binding = BINDING_VOXELS) uniform sampler3D t_voxels;
+layout(set = 0, binding = BINDING_LIGHT_STORE, rgba16f) uniform writeonly image3D i_light;
+layout(push_constant) uniform Push { LightPush push; };
+
+void main() {
+    if (gl_WorkGroupID.x >= push.count) {
+        return;
+    }
+    LightSample s = light_sample(work[push.first + gl_WorkGroupID.x], gl_LocalInvocationID);
+    uint parts = uint(push.parts);
+    vec3 step_ix = push.direction_ix * ((push.radius_mm - push.offset_mm) / push.parts);
+    vec3 start_ix = vec3(s.sample_at) + 0.5 + push.direction_ix * push.offset_mm + 0.5 * step_ix;
+    vec3 uvw = start_ix * volume.atlas_texel;
+    vec3 step_uvw = step_ix * volume.atlas_texel;
+    float sum = 0.0;
+    for (uint m = 0u; m < parts; ++m) {
+        sum += classify_light(textureLod(t_voxels, uvw + float(m) * step_uvw, 0.0).r, 1.0).opacity;
+    }
+    // Lanes beyond the last sample of a brick work like the others, and may not write outside.
+    imageStore(i_light, min(s.sample_at, imageSize(i_light) - 1), vec4(sum));
+}

@@ -1,0 +1,22 @@
+// Optical depth along a straight line through the field, by samples a march's step apart. Includes medium.glsl and skip.glsl first.
+
+// From a point of the field along `d_ix` (index units per mm), over `length_mm` at most; before the channels' factors.
+float optical_depth_along(vec3 p_ix, vec3 d_ix, float length_mm) {
+    float reach = min(distance_to_exit(p_ix, d_ix), length_mm);
+    uint count = uint(ceil(reach / medium.sample_mm - 1e-4));
+    float part_mm = reach / float(max(count, 1u));
+    vec3 step_ix = d_ix * part_mm;
+    float sum = 0.0;
+    uint i = 0u;
+    while (i < count) {
+        vec3 at = clamp(p_ix + (float(i) + 0.5) * step_ix, vec3(0.0), volume.field_ix);
+        Region region = region_at(at, block_of(at));
+        if (region.empty) {
+            i += max(samples_before(steps_to_border(at, step_ix, region.low_ix, region.high_ix)), 1u);
+        } else {
+            sum += extinction_at(at);
+            i += 1u;
+        }
+    }
+    return sum * part_mm;
+}

@@ -70,8 +70,6 @@ void add_segment(inout Accumulated acc, Ray ray, Brick b, Segment segment, Class
 #include "march_ends.glsl"
 
 void main() {
-    volume = volume_block;
-    frame = frame_block;
     uvec2 px = frame_pixel();
     if (is_outside(px)) {
         return;

@@ -78,7 +78,12 @@ fn approximations_stay_within_what_is_stated() {
     ] {
         let mut loaded = TransportScene::load(name);
         loaded.scene.lighting.scattering.method = method;
-        loaded.scene.lighting.scattering.resolution = Some(if method == ScatteringMethod::Ordinates { 16 } else { 32 });
+        loaded.scene.lighting.scattering.resolution =
+            Some(if method == ScatteringMethod::Ordinates {
+                16
+            } else {
+                32
+            });
         let found = without_noise(&picture(&headless, &loaded.volume, &loaded.scene));
         let sum = |values: &[DVec3]| values.iter().sum::<DVec3>().element_sum();
         let [mut differences, mut squares] = [0.0; 2];

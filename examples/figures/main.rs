@@ -4,6 +4,7 @@
 //! `cargo run --release --example figures [pictures|tables] [NAME]` does one half, or the pictures whose name holds `NAME`.
 
 mod difference;
+mod ground;
 mod pictures;
 mod signals;
 mod synthetic;
@@ -57,6 +58,7 @@ fn run() -> Result<()> {
     if pictures {
         synthetic::write(Path::new(SYNTHETIC_VOLUME))?;
         signals::write()?;
+        ground::write()?;
         pictures::render(&headless, Path::new(FOLDER), only)?;
     }
     if tables {

@@ -44,7 +44,51 @@ const UNSHADED: &str = "lighting.shading=none";
 const SMALL: &str = "image.size=[256,256]";
 const CLOSE_UP: &str = "camera.zoom=3.2";
 
+// The cloud of Max's figures 2 to 6 and 8.
+const CLOUD: &str = "examples/cloud.json";
+const OVER_GROUND: &str = r#"image={"size":[384,288],"background_image":"../out/ground.png"}"#;
+const NEARER: &str = "camera.zoom=1.9";
+const BRIGHTER: &str = "image.exposure=1";
+const SINGLE: &str = r#"lighting={"model":"single_scattering","albedo":[0.99,0.99,0.99],"phase":{"type":"henyey_greenstein","g":0.5},
+    "lights":[{"type":"directional","direction":[-0.75,0.25,0.6],"irradiance":[4,3.9,3.7]}]}"#;
+const SHADOWED: &str = r#"lighting={"model":"shadowed_scattering","albedo":[0.99,0.99,0.99],"phase":{"type":"henyey_greenstein","g":0.5},
+    "lights":[{"type":"directional","direction":[-0.75,0.25,0.6],"irradiance":[4,3.9,3.7]}],"shadows":{"spacing":2}}"#;
+const MULTIPLE: &str = r#"lighting={"model":"multiple_scattering","albedo":[0.99,0.99,0.99],"phase":{"type":"henyey_greenstein","g":0.5},
+    "lights":[{"type":"directional","direction":[-0.75,0.25,0.6],"irradiance":[4,3.9,3.7]}],"shadows":{"spacing":2},
+    "scattering":{"resolution":24,"tolerance":0.001}}"#;
+
 const FIGURES: &[Figure] = &[
+    figure(
+        "cloud_absorption",
+        CLOUD,
+        &[OVER_GROUND, NEARER, r#"lighting={"model":"absorption"}"#],
+    ),
+    figure(
+        "cloud_emission",
+        CLOUD,
+        &[
+            OVER_GROUND,
+            NEARER,
+            "image.exposure=-4",
+            r#"lighting={"model":"emission"}"#,
+        ],
+    ),
+    figure("cloud_emission_absorption", CLOUD, &[OVER_GROUND, NEARER]),
+    figure(
+        "cloud_single_scattering",
+        CLOUD,
+        &[OVER_GROUND, NEARER, BRIGHTER, SINGLE],
+    ),
+    figure(
+        "cloud_shadowed_scattering",
+        CLOUD,
+        &[OVER_GROUND, NEARER, BRIGHTER, SHADOWED],
+    ),
+    figure(
+        "cloud_multiple_scattering",
+        CLOUD,
+        &[OVER_GROUND, NEARER, BRIGHTER, MULTIPLE],
+    ),
     figure(
         "fig3_diffuse",
         SYNTHETIC,

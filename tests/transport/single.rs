@@ -104,9 +104,8 @@ fn shadows_by_rays_and_by_sweeps() {
 fn shadowed_scattering_is_what_mitsuba_has() {
     let headless = headless();
     for name in SINGLE {
-        let mut loaded = TransportScene::load(name);
-        // What a coarser step leaves would be seen in the mean of all Z.
-        loaded.scene.march.step = 0.1;
+        // Shadow rays of finer steps meet the limit of 65535 loop iterations an invocation that llvmpipe has.
+        let loaded = TransportScene::load(name);
         let ours = without_noise(&picture(&headless, &loaded.volume, &loaded.scene));
         let scores = z_test(&ours, &loaded.expected, 1);
         println!("{name}: {scores}");

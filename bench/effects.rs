@@ -17,7 +17,7 @@ use umbravox::{Error, Result};
 
 use crate::fields::{self, Field};
 use crate::figures::{Case, Effects, Reduction, Spread, WholeProcess};
-use crate::measure::{self, wall};
+use crate::measure::{self, Clock, wall};
 use crate::plan::Plan;
 
 /// Data reductions of figure 5 of Hernell, Ljung and Ynnerman (2007).
@@ -63,6 +63,7 @@ fn load(headless: &Headless, case: &Case) -> Result<(&'static Field, Arc<Volume>
 /// Frames with skipping and without.
 fn skipping(headless: &Headless, case: &Case, repeats: u32) -> Result<[Spread; 2]> {
     let (field, volume, mut session) = load(headless, case)?;
+    let clock = Clock::of(headless);
     let mut times = [Vec::new(), Vec::new()];
     for repeat in 0..=repeats {
         for (times, on) in times.iter_mut().zip([true, false]) {
@@ -71,11 +72,11 @@ fn skipping(headless: &Headless, case: &Case, repeats: u32) -> Result<[Spread; 2
             session.set_settings(Settings::of_scene(&scene, &volume)?)?;
             let time = session.timed_frame()?;
             if repeat > 0 {
-                times.push(time);
+                times.push(clock.device_ms(&session, "march", time));
             }
         }
     }
-    Ok(times.map(|times| wall(&times)))
+    Ok(times.map(Spread::of))
 }
 
 /// Plain frames, and frames that follow a new transfer function, with all that it takes to get there.
@@ -107,6 +108,7 @@ fn edit(headless: &Headless, case: &Case, repeats: u32) -> Result<[Spread; 2]> {
 fn reductions(headless: &Headless, case: &Case) -> Result<Vec<Reduction>> {
     let field = fields::find(&case.field)?;
     let volume = field.volume(case.size)?;
+    let clock = Clock::of(headless);
     let mut points = Vec::new();
     for asked in REDUCTIONS {
         let mut scene = measure::scene(field, case);
@@ -115,12 +117,15 @@ fn reductions(headless: &Headless, case: &Case) -> Result<Vec<Reduction>> {
             ao.rays = 3;
         }
         let mut session = headless.load(Arc::clone(&volume), &scene)?;
-        while session.refine_light()? {}
+        let mut times = Vec::new();
+        while let Some(time) = session.timed_light()? {
+            times.push(clock.device_ms(&session, "light", time));
+        }
         let stats = session.stats()?;
         points.extend(stats.lao.map(|light| Reduction {
             asked,
             reached: stats.data_reduction,
-            ms_per_ray: light.ms_per_ray,
+            ms_per_ray: Spread::of(times).median,
             voxels: light.voxels,
         }));
     }

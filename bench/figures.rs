@@ -48,9 +48,9 @@ pub(crate) struct Picture {
     pub(crate) frame_ms: Spread,
     /// Processor time of the same.
     pub(crate) cpu_ms: Option<Spread>,
-    /// The march alone, on the device.
+    /// The march alone, on the device: by its timestamps, or, where the processor is the device, processor time over the cores.
     pub(crate) march_ms: Spread,
-    /// The bare march of the same rays, on the device.
+    /// The bare march of the same rays, likewise.
     pub(crate) bare_ms: Spread,
     pub(crate) samples: u64,
     pub(crate) bare_samples: u64,
@@ -79,7 +79,7 @@ pub(crate) struct Light {
     pub(crate) field: String,
     pub(crate) size: [u32; 3],
     pub(crate) rays: u32,
-    /// Of one direction.
+    /// Of one direction, as [`Picture::march_ms`].
     pub(crate) trace_ms: Spread,
     /// Of one direction of bare light.
     pub(crate) bare_ms: Spread,

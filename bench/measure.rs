@@ -70,14 +70,17 @@ pub(crate) fn picture(
     let scene = scene(field, case);
     let mut session = headless.load(Arc::clone(volume), &scene)?;
     let bare_samples = all_samples(&mut session, volume, &scene)?;
+    let clock = Clock::of(headless);
     let (mut frames, mut march_ms, mut bare_ms) = (Vec::new(), Vec::new(), Vec::new());
     for repeat in 0..=repeats {
         let frame = session.timed_frame()?;
+        let march = clock.device_ms(&session, "march", frame);
         let bare = session.timed_bare_march()?;
+        let bare = clock.device_ms(&session, "bare", bare);
         if repeat > 0 {
             frames.push(frame);
-            march_ms.push(pass_ms(&session, "march").unwrap_or(frame.wall_ms));
-            bare_ms.push(pass_ms(&session, "bare").unwrap_or(bare.wall_ms));
+            march_ms.push(march);
+            bare_ms.push(bare);
         }
     }
     session.timed_frame()?;
@@ -109,16 +112,18 @@ pub(crate) fn light(
     case: &Case,
 ) -> Result<Option<Light>> {
     let mut session = headless.load(Arc::clone(volume), &scene(field, case))?;
+    let clock = Clock::of(headless);
     let (mut trace_ms, mut bare_ms) = (Vec::new(), Vec::new());
     // Once for the pipelines, then once for each direction.
     for repeat in 0..=case.rays {
         // Each bare direction starts the light again: both sides trace the first direction.
-        session.refine_light()?;
-        let trace = pass_ms(&session, "light");
+        let trace = session.timed_light()?;
+        let trace = trace.map(|time| clock.device_ms(&session, "light", time));
         let bare = session.timed_bare_light()?;
+        let bare = bare.map(|time| clock.device_ms(&session, "bare_light", time));
         if let (1.., Some(trace), Some(bare)) = (repeat, trace, bare) {
             trace_ms.push(trace);
-            bare_ms.push(pass_ms(&session, "bare_light").unwrap_or(bare.wall_ms));
+            bare_ms.push(bare);
         }
     }
     let Some(samples) = session.count_light_samples()? else {
@@ -142,6 +147,34 @@ pub(crate) fn light(
         bare_samples: stats.voxels * parts,
         brute_force_samples: volume.voxels().len() as u64 * u64::from(case.rays) * parts,
     }))
+}
+
+/// How long a device works.
+pub(crate) enum Clock {
+    /// By its timestamps.
+    Timestamps,
+    /// The processor is the device: processor time over the cores, which other work on the machine does not stretch.
+    Processor { cores: f64 },
+}
+
+impl Clock {
+    pub(crate) fn of(headless: &Headless) -> Self {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        match headless.device().device_type.as_str() {
+            "cpu" => Self::Processor {
+                cores: cores as f64,
+            },
+            _ => Self::Timestamps,
+        }
+    }
+
+    /// Of the last pass of this name, which was all of `time`'s work on the device.
+    pub(crate) fn device_ms(&self, session: &Session, pass: &str, time: FrameTime) -> f64 {
+        match (self, time.cpu_ms) {
+            (Self::Processor { cores }, Some(cpu_ms)) => cpu_ms / cores,
+            _ => pass_ms(session, pass).unwrap_or(time.wall_ms),
+        }
+    }
 }
 
 /// By the clock.

@@ -49,7 +49,7 @@ impl Plan {
             light_size,
             light_voxels: if set == Set::Smoke { 1 << 16 } else { 1 << 24 },
             repeats,
-            rays: 3,
+            rays: 2,
         }
     }
 

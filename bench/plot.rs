@@ -33,7 +33,7 @@ pub(crate) fn bars(series: &[&str], groups: &[(String, Vec<f64>)], unit: &str) -
                 r#"<rect x="{LEFT}" y="{y:.1}" width="{length:.1}" height="{}" fill="{color}"/>"#,
                 BAR - 2.0
             );
-            let shown = format!("{value:.3} {unit}");
+            let shown = format!("{} {unit}", short(*value));
             text(
                 &mut svg,
                 LEFT + length + 4.0,
@@ -46,57 +46,60 @@ pub(crate) fn bars(series: &[&str], groups: &[(String, Vec<f64>)], unit: &str) -
     svg + "</svg>\n"
 }
 
-/// Points joined by lines, on linear axes from 0.
+/// Points joined by lines, on logarithmic axes; coordinates are above 0.
 pub(crate) fn line(points: &[[f64; 2]], x_label: &str, y_label: &str) -> String {
-    const HEIGHT: f64 = 320.0;
+    const HEIGHT: f64 = 340.0;
+    const LEFT: f64 = 60.0;
+    const TOP: f64 = 40.0;
+    const RIGHT: f64 = WIDTH - 90.0;
     const BOTTOM: f64 = HEIGHT - 50.0;
-    let most = |axis: usize| {
-        points
-            .iter()
-            .map(|p| p[axis])
-            .fold(f64::MIN_POSITIVE, f64::max)
+    // Where a coordinate lies between the smallest and the largest.
+    let share = |axis: usize, value: f64| {
+        let values = || points.iter().map(|p| p[axis].ln());
+        let low = values().fold(f64::INFINITY, f64::min);
+        let high = values().fold(f64::NEG_INFINITY, f64::max);
+        (value.ln() - low) / (high - low).max(f64::MIN_POSITIVE)
     };
-    let [right, top] = [most(0), most(1)];
     let place = |p: &[f64; 2]| {
-        [
-            80.0 + (WIDTH - 120.0) * p[0] / right,
-            BOTTOM - (BOTTOM - 20.0) * p[1] / top,
-        ]
+        let x = LEFT + 20.0 + (RIGHT - LEFT - 20.0) * share(0, p[0]);
+        [x, BOTTOM - 20.0 - (BOTTOM - TOP - 20.0) * share(1, p[1])]
     };
     let mut svg = open(HEIGHT);
     let _ = write!(
         svg,
-        r##"<path d="M80 20V{BOTTOM}H{}" stroke="#888" fill="none"/>"##,
-        WIDTH - 40.0
+        r##"<path d="M{LEFT} {TOP}V{BOTTOM}H{RIGHT}" stroke="#888" fill="none"/>"##
     );
     let path: Vec<String> = points
         .iter()
         .map(|p| place(p).map(|c| format!("{c:.1}")).join(","))
         .collect();
+    let color = COLORS[0];
     let _ = write!(
         svg,
-        r#"<polyline points="{}" stroke="{}" stroke-width="2" fill="none"/>"#,
-        path.join(" "),
-        COLORS[0]
+        r#"<polyline points="{}" stroke="{color}" stroke-width="2" fill="none"/>"#,
+        path.join(" ")
     );
     for p in points {
         let [x, y] = place(p);
         let _ = write!(
             svg,
-            r#"<circle cx="{x:.1}" cy="{y:.1}" r="4" fill="{}"/>"#,
-            COLORS[0]
+            r#"<circle cx="{x:.1}" cy="{y:.1}" r="4" fill="{color}"/>"#
         );
-        text(
-            &mut svg,
-            x + 6.0,
-            y - 6.0,
-            "start",
-            &format!("{:.1}: {:.0}", p[0], p[1]),
-        );
+        let label = format!("{}: {}", short(p[0]), short(p[1]));
+        text(&mut svg, x + 6.0, y - 6.0, "start", &label);
     }
     text(&mut svg, 0.5 * WIDTH, HEIGHT - 12.0, "middle", x_label);
-    text(&mut svg, 80.0, 14.0, "start", y_label);
+    text(&mut svg, LEFT, 16.0, "start", y_label);
     svg + "</svg>\n"
+}
+
+/// Three digits that count, or all before the point.
+fn short(value: f64) -> String {
+    match value {
+        ..10.0 => format!("{value:.2}"),
+        ..100.0 => format!("{value:.1}"),
+        _ => format!("{value:.0}"),
+    }
 }
 
 fn open(height: f64) -> String {

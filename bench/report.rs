@@ -143,7 +143,11 @@ fn plots(run: &Run, peers: Option<&Peers>) -> String {
         .collect();
     if !points.is_empty() {
         plots += "<h2>Light by data reduction</h2>\n";
-        plots += &plot::line(&points, "data reduction", "ms a direction");
+        plots += &plot::line(
+            &points,
+            "data reduction",
+            "reduction: ms a direction; both axes logarithmic",
+        );
     }
     plots
 }

@@ -98,7 +98,8 @@ fn pictures(run: &Run) -> Table {
     Table {
         title: "Pictures",
         note: format!(
-            "Median (min–max) of {} frames on {} ({} cores, load average {}). The bare march takes every sample of the same \
+            "Median (min–max) of {} frames on {} ({} cores, load average {}). Frame: wall time. March and bare march: the device's time; \
+             where the device is the processor, processor time over the cores, which other load does not stretch. The bare march takes every sample of the same \
              rays, each one texture read and one look-up, and does nothing else. Where little is sampled the rate says little, and \
              the time of the bare march is what to compare with.",
             run.repeats,
@@ -253,7 +254,7 @@ fn others(run: &Run, peers: &Peers) -> Table {
         note: format!(
             "VTK {}: its GPU mapper on llvmpipe and its fixed-point mapper, in turn with ours, frame by frame; voxels, transfer \
              function, camera, step and classification are the same. Median milliseconds a frame: processor time over \
-             {cores} cores / wall time. Our limit: what our samples take at the rate of the bare march (wall time of the device). PSNR in dB of ours with either, and of the two with each other.",
+             {cores} cores / wall time. Our limit: what our samples take at the rate of the bare march. PSNR in dB of ours with either, and of the two with each other.",
             peers.vtk
         ),
         columns: &[

@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Sweeps flux from a light through the volume, one layer of points a dispatch (Kajiya and Von Herzen 1984; Max 1995, section VI):
 // the optical depth of a point is that of the layer before, where the line to the light meets it, and what lies between.
 // One invocation a point.

@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_image_load_formatted : require
 // Max's optical models along the rays of a picture: absorption, emission, both with light of their own, and light that is
 // scattered towards the eye. One invocation a pixel.

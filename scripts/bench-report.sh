@@ -5,11 +5,12 @@
 #
 # FOLDER (default bench/runs/2026-11-22-lavapipe-2core) gets figures.json, peers.json and report.html, docs/performance.md the tables.
 # Takes about ten minutes on two idle cores, after the build; anything else that runs there spoils the times.
-# UMBRAVOX_PEERS_VENV names the virtual environment with VTK; it is made where it is missing.
+# UMBRAVOX_BENCH_SET=short measures less. UMBRAVOX_PEERS_VENV names the virtual environment with VTK; it is made where it is missing.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 folder=${1:-bench/runs/2026-11-22-lavapipe-2core}
+measured=${UMBRAVOX_BENCH_SET:-record}
 venv=${UMBRAVOX_PEERS_VENV:-${TMPDIR:-/tmp}/umbravox-peers}
 scenes=$(mktemp -d)
 trap 'rm -rf "$scenes"' EXIT
@@ -24,8 +25,8 @@ bench() {
     cargo bench --quiet --bench gpu -- "$@"
 }
 mkdir -p "$folder"
-bench --set record --into "$folder" >/dev/null
-bench --set record --export "$scenes"
+bench --set "$measured" --into "$folder" >/dev/null
+bench --set "$measured" --export "$scenes"
 rm -f "$folder/peers.json" # of another day
 "$venv/bin/python" bench/peers/run.py "$scenes" --program target/release/umbravox --json "$folder/peers.json" ||
     echo "NOT COMPARED with VTK: see above" >&2

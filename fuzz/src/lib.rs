@@ -3,13 +3,18 @@
 //! An input is one file, written into a folder in memory (`/dev/shm`), beside the data files that a detached header may
 //! name. Whatever it holds, it is read within the limits or refused as bad input; everything else is a finding.
 
+mod dicom;
+
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
 use libfuzzer_sys::Corpus;
 use tempfile::TempDir;
 use umbravox::io::{Limits, ReadOptions, read};
-use umbravox::scene::{Endian, RawDescription, RawType};
+use umbravox::scene::{
+    ColorManagement, Endian, RawDescription, RawType, TransferFile, TransferFormat,
+};
 
 /// Largest volume that an input may ask for, voxels: a fuzzer that spends its time on filling memory finds nothing.
 const MAX_VOXELS: u64 = 1 << 18;
@@ -20,12 +25,15 @@ pub struct Target {
     wants: fn(&[u8]) -> bool,
     /// What is said about the file beside its content, from its first bytes.
     options: fn(&[u8]) -> ReadOptions<'static>,
+    /// The file that an input stands for.
+    file: fn(&[u8]) -> Cow<'_, [u8]>,
 }
 
 const fn by_content(wants: fn(&[u8]) -> bool) -> Target {
     Target {
         wants,
         options: |_| limited(),
+        file: |data| Cow::Borrowed(data),
     }
 }
 
@@ -61,10 +69,22 @@ pub const ARCHIVES: Target = by_content(|data| {
         || data.starts_with(b"\xfd7zXZ")
         || contains(data, b"ustar")
 });
+/// `.vdb`.
+pub const OPENVDB: Target = by_content(|data| data.starts_with(b" BDV"));
+/// A tar of a Zarr store.
+pub const ZARR: Target = by_content(|data| contains(data, b"zarr"));
+/// One coded picture (JPEG, JPEG 2000, JPEG-LS, RLE), of which a good DICOM object is made: the first bytes are what its
+/// header says of it.
+pub const CODED_PIXELS: Target = Target {
+    wants: |data| data.len() > dicom::HEADER_BYTES,
+    options: |_| limited(),
+    file: |data| Cow::Owned(dicom::object(data)),
+};
 /// Headerless data; the first bytes are the description.
 pub const RAW: Target = Target {
     wants: |data| data.len() > 8,
     options: described,
+    file: |data| Cow::Borrowed(data),
 };
 
 fn is_gzip(data: &[u8]) -> bool {
@@ -132,10 +152,32 @@ pub fn run(target: &Target, data: &[u8]) -> Corpus {
         return Corpus::Reject;
     }
     let path: PathBuf = FOLDER.path().join("input.hdr");
-    std::fs::write(&path, data).expect("room in memory");
+    std::fs::write(&path, (target.file)(data)).expect("room in memory");
     match read(&path, &(target.options)(data)) {
         Ok(volume) => assert!(volume.voxels().len() as u64 <= MAX_VOXELS),
         Err(error) => assert!(error.is_bad_input(), "{error}"),
+    }
+    Corpus::Keep
+}
+
+/// Reads one input as a transfer function. What is read can be written, and what is written can be read.
+///
+/// # Panics
+/// On a finding.
+pub fn run_transfer_function(data: &[u8]) -> Corpus {
+    let Ok(text) = std::str::from_utf8(data) else {
+        return Corpus::Reject;
+    };
+    let Ok(file) = TransferFile::parse(text, "input") else {
+        return Corpus::Keep;
+    };
+    for management in [ColorManagement::Linear, ColorManagement::None] {
+        for (name, format) in TransferFormat::ALL {
+            let written = file.to_text(format, "input", management);
+            if let Err(error) = TransferFile::parse(&written, name) {
+                panic!("{error}\n{written}");
+            }
+        }
     }
     Corpus::Keep
 }

@@ -6,7 +6,8 @@ layout(constant_id = SPEC_AUX) const bool AUX = false;
 layout(constant_id = SPEC_SCENE_DEPTH) const bool SCENE_DEPTH = false;
 layout(constant_id = SPEC_ENCODE_SRGB) const bool ENCODE_SRGB = false;
 
-layout(set = 0, binding = BINDING_FRAME) uniform FrameBlock { FrameParams frame; };
+layout(set = 0, binding = BINDING_FRAME) uniform FrameBlock { FrameParams frame_block; };
+FrameParams frame = frame_block; // as in params.glsl
 layout(set = 0, binding = BINDING_SCENE_DEPTH) uniform sampler2D t_scene_depth;
 // Reading needs the format in the source (doing without is a feature that few devices have), so there is a module for each
 // format that can be blended over.

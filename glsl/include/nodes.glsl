@@ -13,17 +13,22 @@ struct EndsRun {
 };
 
 // A segment is leapt over when both its ends lie in one empty box: the field is continuous, so whatever lies between the values
-// at its ends is found inside the box, and none of it shows.
+// at its ends is found inside the box, and none of it shows. So it is when they lie in two empty boxes that share voxels, as boxes do
+// between which a step of less than a cell leads.
 EndsRun next_run(Ray ray, uint i, uint count, float shift) {
+    vec3 reach = abs(ray.step_ix);
+    bool sharing = UNIFORM_GRID && max(reach.x, max(reach.y, reach.z)) < float(SKIP_CELLS);
+    bool ahead = false;  // node i comes after an empty box and is not known to lie in one
     uint inside;
     uint leap;
     do {
         vec3 p_ix = node_position(ray, i, count, shift);
         Region region = region_at(p_ix, block_of(p_ix));
-        inside = samples_before(steps_to_border(p_ix, ray.step_ix, region.low_ix, region.high_ix));
-        leap = region.empty ? min(inside - 1u, count - i) : 0u;
+        inside = run_length(region, p_ix, ray.step_ix);
+        leap = region.empty ? min(sharing ? inside : inside - 1u, count - i) : 0u;
+        ahead = leap > 0u ? sharing && leap == inside : ahead;
         i += leap;
         inside = region.empty ? 1u : inside;
     } while (leap > 0u && i < count);
-    return EndsRun(i, min(i + inside, count));
+    return EndsRun(ahead ? i - 1u : i, min(i + inside, count));
 }

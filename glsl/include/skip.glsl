@@ -48,6 +48,22 @@ struct Region {
     vec3 high_ix;
 };
 
+// Samples of a run that starts where something shows, where the atlas is the volume and no border of a block ends it; and in a block
+// of which every cell shows something. The same for all rays, so that neighbours stay in step: CPU drivers run eight rays as long as
+// the longest of them. What a run samples beyond cells that show something is transparent.
+const uint RUN = 8u;
+const uint RUN_IN_WHOLE_BLOCK = 32u;
+
+// Samples that a run from `p_ix` takes, or leaps over; `d_ix`: index units per step.
+uint run_length(Region r, vec3 p_ix, vec3 d_ix) {
+    uint inside = samples_before(steps_to_border(p_ix, d_ix, r.low_ix, r.high_ix));
+    if (UNIFORM_GRID) {
+        uint run = r.high_ix.x - r.low_ix.x < float(BLOCK_CELLS) ? RUN : RUN_IN_WHOLE_BLOCK;
+        inside = r.empty ? inside : run;
+    }
+    return inside;
+}
+
 Region region_at(vec3 p_ix, ivec3 block_bx) {
     Region r;
     r.empty = false;

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::{INTEGRAL_ROWS, LightWork, Residency, Store, TransferTable};
+use super::{ColorAtlas, INTEGRAL_ROWS, LightWork, Residency, Store, TransferTable};
 use crate::error::{Error, Result};
 use crate::gpu::memory::MemoryLocation;
 use crate::gpu::{Buffer, Context, Filter, Image, ImageInfo, Sampler};
+use crate::scene::ColorManagement;
 use crate::volume::VoxelType;
 
 /// Format of the light volume.
@@ -23,6 +24,8 @@ pub(crate) struct Images {
     pub(crate) index: Image,
     /// Skip distances.
     pub(crate) skip: Image,
+    /// Colours of the data, where they are drawn.
+    pub(crate) color: Option<ColorAtlas>,
     /// Transfer-function table.
     pub(crate) transfer: Image,
     /// Local ambient occlusion, packed like the atlas; one texel when it is off.
@@ -49,6 +52,7 @@ impl Images {
         store: &Store,
         residency: &Residency,
         lit: bool,
+        color: Option<ColorManagement>,
     ) -> Result<Self> {
         let max = context.capabilities().max_extent_3d;
         let volume_image = |part: &str, extent: [u32; 3], format, usage| {
@@ -81,7 +85,15 @@ impl Images {
             });
         }
         let extent = residency.layout.extent();
+        let color = color
+            .map(|management| {
+                let format = ColorAtlas::format(management);
+                let image = volume_image("color", extent, format, sampled)?;
+                Ok::<_, Error>(ColorAtlas { image, management })
+            })
+            .transpose()?;
         Ok(Self {
+            color,
             atlas: volume_image("atlas", extent, format, sampled)?,
             index: volume_image(
                 "index",
@@ -141,15 +153,15 @@ impl Images {
 
     /// Nothing is known of what the images hold; see [`Image::forget`].
     pub(crate) fn forget(&self) {
-        for image in [
+        let images = [
             &self.atlas,
             &self.index,
             &self.skip,
             &self.transfer,
             &self.light,
-        ] {
-            image.forget();
-        }
+        ];
+        let color = self.color.iter().map(|color| &color.image);
+        images.into_iter().chain(color).for_each(Image::forget);
     }
 
     /// The sampler of the atlas; formats that cannot be filtered must not be bound with one that does.

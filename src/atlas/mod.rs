@@ -4,6 +4,7 @@
 //! the choice of levels, [`Visibility`] with the transfer function. [`Images`] holds their device side.
 
 mod bins;
+mod colors;
 mod images;
 mod labels;
 mod light_work;
@@ -18,6 +19,7 @@ mod upload;
 mod visibility;
 
 pub(crate) use bins::Bins;
+pub(crate) use colors::{COLOR_TEXEL_BYTES, ColorAtlas};
 pub(crate) use images::{Images, LIGHT_TEXEL_BYTES, LightLists, TableImages};
 pub(crate) use labels::LabelImages;
 pub(crate) use light_work::{GROUP, LightWork};

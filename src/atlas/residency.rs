@@ -39,12 +39,12 @@ pub(crate) struct Residency {
 }
 
 impl Residency {
-    /// Chooses levels for what is shown.
+    /// Chooses levels for what is shown; a texel has `other_texel_bytes` beside its value.
     pub(crate) fn select(
         store: &Store,
         shown: &Shown<'_>,
         storage: &scene::Storage,
-        light_texel_bytes: u32,
+        other_texel_bytes: u32,
     ) -> Result<Selection> {
         let voxel_bytes = store.volume.voxels().voxel_type().bytes() as u32;
         select(
@@ -53,7 +53,7 @@ impl Residency {
             &Request {
                 data_reduction: storage.data_reduction,
                 max_bytes: (storage.memory_budget_mib * 1024.0 * 1024.0) as u64,
-                bytes_per_texel: voxel_bytes + light_texel_bytes,
+                bytes_per_texel: voxel_bytes + other_texel_bytes,
             },
         )
     }

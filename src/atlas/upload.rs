@@ -5,10 +5,12 @@ use std::sync::Arc;
 use ash::vk;
 use rayon::prelude::*;
 
+use super::colors::ColorBricks;
 use super::{Images, Residency, SampleLengths, Store, TransferTable};
 use crate::error::Result;
 use crate::gpu::memory::MemoryLocation;
-use crate::gpu::{Access, Buffer, Context, CopyBox, Recorder};
+use crate::gpu::{Access, Buffer, Context, CopyBox, Image, Recorder};
+use crate::volume::blocks::brick_extent;
 use crate::volume::bricks::BrickBuilder;
 
 /// Offsets of copies are multiples of this: of every texel size, and of the 4 that Vulkan asks for.
@@ -85,6 +87,9 @@ impl Uploads {
         if self.next == 0 && !residency.layout.is_grid() {
             // Filters read the texel after a brick's last with weight 0, which only a number makes nothing.
             recorder.clear(&images.atlas);
+            if let Some(color) = &images.color {
+                recorder.clear(&color.image);
+            }
         }
         if !self.bricks_complete() {
             uploaded += self.bricks(context, recorder, resources, budget)?;
@@ -128,6 +133,9 @@ impl Uploads {
         for image in [&images.atlas, &images.index, &images.skip, &images.transfer] {
             recorder.use_image(image, Access::SampledRead);
         }
+        if let Some(color) = &images.color {
+            recorder.use_image(&color.image, Access::SampledRead);
+        }
         recorder.use_image(&images.light, Access::SampledGeneral);
         recorder.flush();
         Ok(uploaded)
@@ -168,27 +176,71 @@ impl Uploads {
             residency,
             ..
         } = *resources;
-        let builder = BrickBuilder::new(&store.volume, store.grid(), &residency.selection.levels)?;
-        let mut sizes = Vec::new();
+        let levels = &residency.selection.levels;
+        let grid = store.grid();
+        let builder = BrickBuilder::new(&store.volume, grid, levels)?;
+        let colors = images
+            .color
+            .as_ref()
+            .map(|color| ColorBricks::new(&store.volume, grid, levels, color.management))
+            .transpose()?;
+        let values_of = |block| builder.bytes(block);
+        let colors_of = |block| colors.as_ref().map_or(0, |colors| colors.bytes(block));
         let mut total = 0;
-        for &block in &self.blocks[self.next..] {
-            let bytes = builder.bytes(block).next_multiple_of(COPY_ALIGNMENT);
-            if total > 0 && total + bytes > budget {
-                break;
-            }
-            sizes.push(bytes);
-            total += bytes;
-        }
-        let batch = &self.blocks[self.next..self.next + sizes.len()];
-        let mut staging = Buffer::new(
+        let fit = self.blocks[self.next..].iter().take_while(|&&block| {
+            let first = total == 0;
+            total += padded(values_of(block)) + padded(colors_of(block));
+            first || total <= budget
+        });
+        let batch = &self.blocks[self.next..self.next + fit.count()];
+        let stage = Stage {
             context,
+            residency,
+            batch,
+        };
+        let write = |block, to: &mut [u8]| builder.write(block, to);
+        let mut uploaded = stage.upload(recorder, &images.atlas, values_of, write)?;
+        if let (Some(to), Some(colors)) = (&images.color, &colors) {
+            let write = |block, to: &mut [u8]| colors.write(block, to);
+            uploaded += stage.upload(recorder, &to.image, colors_of, write)?;
+        }
+        self.next += batch.len();
+        Ok(uploaded)
+    }
+}
+
+const fn padded(bytes: usize) -> usize {
+    bytes.next_multiple_of(COPY_ALIGNMENT)
+}
+
+/// Bricks that are uploaded together.
+struct Stage<'a> {
+    context: &'a Arc<Context>,
+    residency: &'a Residency,
+    batch: &'a [usize],
+}
+
+impl Stage<'_> {
+    /// Makes the bricks and records their copies into an image. Tells how many bytes there were.
+    fn upload(
+        &self,
+        recorder: &mut Recorder<'_>,
+        to: &Image,
+        bytes_of: impl Fn(usize) -> usize,
+        write: impl Fn(usize, &mut [u8]) + Sync,
+    ) -> Result<u64> {
+        let layout = &self.residency.layout;
+        let sizes: Vec<usize> = self.batch.iter().map(|&b| padded(bytes_of(b))).collect();
+        let total = sizes.iter().sum();
+        let mut staging = Buffer::new(
+            self.context,
             "umbravox.upload.bricks",
             total as u64,
             vk::BufferUsageFlags::TRANSFER_SRC,
             MemoryLocation::Upload,
         )?;
         let mut rest = &mut staging.mapped_mut()?[..total];
-        let mut parts = Vec::with_capacity(batch.len());
+        let mut parts = Vec::with_capacity(sizes.len());
         for &bytes in &sizes {
             let (part, tail) = rest.split_at_mut(bytes);
             parts.push(part);
@@ -196,24 +248,23 @@ impl Uploads {
         }
         parts
             .into_par_iter()
-            .zip(batch)
-            .for_each(|(part, &block)| builder.write(block, part));
+            .zip(self.batch)
+            .for_each(|(part, &block)| write(block, part));
         let mut offset = 0;
-        let mut boxes = Vec::with_capacity(batch.len());
-        for (&block, &bytes) in batch.iter().zip(&sizes) {
-            if let Some(origin) = residency.layout.origins()[block] {
-                let row = builder.extent(block);
+        let mut boxes = Vec::with_capacity(sizes.len());
+        let levels = &self.residency.selection.levels.by_block;
+        for (&block, &bytes) in self.batch.iter().zip(&sizes) {
+            if let (Some(origin), Some(level)) = (layout.origins()[block], levels[block]) {
                 boxes.push(CopyBox {
                     buffer_offset: offset,
-                    buffer_row: [row; 2],
+                    buffer_row: [brick_extent(level); 2],
                     origin,
-                    extent: residency.layout.copy_extent(block),
+                    extent: layout.copy_extent(block),
                 });
             }
             offset += bytes as u64;
         }
-        recorder.upload(&staging, &images.atlas, &boxes);
-        self.next += batch.len();
+        recorder.upload(&staging, to, &boxes);
         Ok(total as u64)
     }
 }
@@ -239,7 +290,7 @@ fn whole(
     recorder: &mut Recorder<'_>,
     name: &str,
     bytes: &[u8],
-    to: &crate::gpu::Image,
+    to: &Image,
 ) -> Result<()> {
     let staging = staging(context, name, bytes)?;
     recorder.upload(&staging, to, &[CopyBox::packed(0, [0; 3], to.extent())]);

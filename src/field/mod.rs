@@ -7,7 +7,7 @@ use std::ops::{Add, Mul, Sub};
 
 use glam::{DAffine3, DVec3};
 
-use crate::scene::Interpolation;
+use crate::scene::{ColorManagement, Interpolation};
 use crate::volume::Volume;
 
 pub use filter::CubicKernel;
@@ -81,6 +81,28 @@ impl<'a> Field<'a> {
             Interpolation::Bspline => cubic(CubicKernel::Bspline),
             Interpolation::CatmullRom => cubic(CubicKernel::CatmullRom),
         }
+    }
+
+    /// Linear colour of the data at an index position inside the field: that of the nearest voxel, else the trilinear mixture,
+    /// whatever kernel values have; `None` of data without colours.
+    pub(crate) fn color(
+        &self,
+        ix: DVec3,
+        interpolation: Interpolation,
+        management: ColorManagement,
+    ) -> Option<DVec3> {
+        let colors = self.volume.colors()?;
+        let voxel = |i, j, k| {
+            let [r, g, b, _] = colors[self.volume.offset(i, j, k)];
+            DVec3::from_array(management.decode([r, g, b].map(|c| f64::from(c) / 255.0)))
+        };
+        Some(match interpolation {
+            Interpolation::Nearest => {
+                let [i, j, k] = (ix + 0.5).floor().to_array().map(|x| x as u32);
+                voxel(i, j, k)
+            }
+            _ => trilinear(self.volume.size(), ix, voxel),
+        })
     }
 
     /// Sum over the 4^3 voxels around an index position, each with the product of its weights on x, y and z.

@@ -83,8 +83,13 @@ pub struct Capabilities {
     pub cache_uuid: [u8; vk::UUID_SIZE],
     /// PCI-style vendor and device ids.
     pub ids: [u32; 2],
+    /// Rounds that all loops of one invocation may take together: llvmpipe ends loops silently after these.
+    pub(crate) max_loop_rounds: Option<u32>,
     pub(crate) features: vk::PhysicalDeviceFeatures,
 }
+
+/// `LP_MAX_TGSI_LOOP_ITERATIONS` of Mesa's gallivm: one counter for all loops of an invocation.
+const LLVMPIPE_LOOP_ROUNDS: u32 = 65_535;
 
 impl Capabilities {
     /// Reads them.
@@ -141,6 +146,8 @@ impl Capabilities {
             } else {
                 (1 << bits) - 1
             },
+            max_loop_rounds: (driver.driver_id == vk::DriverId::MESA_LLVMPIPE)
+                .then_some(LLVMPIPE_LOOP_ROUNDS),
             cache_uuid: properties.pipeline_cache_uuid,
             ids: [properties.vendor_id, properties.device_id],
             features,

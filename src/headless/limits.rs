@@ -15,6 +15,18 @@ impl Session {
         self.timed(Work::Bare)
     }
 
+    /// Traces one more direction of light, as [`Session::refine_light`] does; `None` when none is left.
+    ///
+    /// # Errors
+    /// As [`Session::refine_light`].
+    pub fn timed_light(&mut self) -> Result<Option<FrameTime>> {
+        let (traced, rays) = self.renderer.loaded().light_progress();
+        if traced == rays {
+            return Ok(None);
+        }
+        self.timed(Work::LightOnly).map(Some)
+    }
+
     /// The limit of a direction of light: for every sample of the light volume as many samples of the field as a ray has at the
     /// finest level, each one texture read and one look-up of the transfer function. `None` when ambient occlusion is off. The
     /// light starts again.

@@ -29,7 +29,8 @@ pub use light_volume::LightVolume;
 pub use probe::{Hit, PixelProbe};
 pub use provenance::Provenance;
 pub use stats::{
-    BlockStats, DeviceStats, ImageStats, LightStats, MemoryStats, PassStats, SampleStats, Stats,
+    BlockStats, DeviceStats, ImageStats, LightStats, MemoryStats, PassStats, SampleStats,
+    ScatteringStats, Stats,
 };
 
 /// Bytes of bricks uploaded by one submission.

@@ -45,6 +45,19 @@ pub struct Hit {
     pub value: f64,
     /// By the lighting's estimator, world space, values per mm.
     pub gradient: [f64; 3],
+    /// The segment there, of a scene with labels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub label: Option<HitLabel>,
+}
+
+/// A segment that a pixel shows.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HitLabel {
+    /// Its number; 0 of what belongs to none.
+    pub label: i32,
+    /// Its name, where the file says it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
 }
 
 impl Session {
@@ -100,7 +113,18 @@ impl Session {
             gradient: field
                 .gradient_ws(inside, settings.lighting.gradient)?
                 .to_array(),
+            label: self.label(inside),
         })
+    }
+
+    /// At an index position of the volume.
+    fn label(&self, voxel: DVec3) -> Option<HitLabel> {
+        let map = self.settings().labels.as_ref()?.map();
+        let volume = &self.renderer.loaded().store().volume;
+        let at = map.ix_from(volume).transform_point3(voxel);
+        let label = *map.labels().get(map.index_at(at))?;
+        let name = map.name(label).map(str::to_owned);
+        Some(HitLabel { label, name })
     }
 }
 

@@ -15,6 +15,9 @@ pub struct Provenance {
     pub data: String,
     /// What was drawn, and how.
     pub scene: Scene,
+    /// [`crate::scene::Curve::fingerprint`] of what the scene's transfer function was: a file or a preset may change. `None` of
+    /// pictures that do not say it.
+    pub transfer_function: Option<String>,
     /// Directions of ambient occlusion that were traced.
     pub light_directions: u32,
     /// Name of the device.
@@ -31,6 +34,7 @@ mod keyword {
     pub(super) const SOURCE: &str = "Source";
     pub(super) const DATA: &str = "Data";
     pub(super) const SCENE: &str = "Scene";
+    pub(super) const TRANSFER_FUNCTION: &str = "TransferFunction";
     pub(super) const LIGHT: &str = "Light";
     pub(super) const DEVICE: &str = "Device";
     pub(super) const DRIVER: &str = "Driver";
@@ -52,6 +56,9 @@ impl Provenance {
                 self.blocks_by_level.map(|n| n.to_string()).join(" "),
             ),
         ];
+        if let Some(curve) = &self.transfer_function {
+            entries.push((keyword::TRANSFER_FUNCTION, curve.clone()));
+        }
         if let Ok(scene) = serde_json::to_string(&self.scene) {
             entries.push((keyword::SCENE, scene));
         }
@@ -90,6 +97,7 @@ impl Provenance {
             software: text(keyword::SOFTWARE)?.to_owned(),
             data: text(keyword::DATA)?.to_owned(),
             scene,
+            transfer_function: text(keyword::TRANSFER_FUNCTION).ok().map(str::to_owned),
             light_directions: number(keyword::LIGHT, text(keyword::LIGHT)?)?,
             device: text(keyword::DEVICE)?.to_owned(),
             driver: text(keyword::DRIVER)?.to_owned(),
@@ -104,10 +112,16 @@ impl Provenance {
     /// looked at.
     pub fn differences(&self, now: &Self) -> Vec<String> {
         let levels = |p: &Self| format!("{:?}", p.blocks_by_level);
+        let curve =
+            |of: &Self, other: &Self| match (&of.transfer_function, &other.transfer_function) {
+                (Some(curve), Some(_)) => curve.clone(),
+                _ => "not recorded".into(),
+            };
         [
             ("program", self.software.clone(), now.software.clone()),
             ("device", self.device.clone(), now.device.clone()),
             ("driver", self.driver.clone(), now.driver.clone()),
+            ("transfer function", curve(self, now), curve(now, self)),
             ("blocks by level", levels(self), levels(now)),
             (
                 "directions of light",
@@ -131,6 +145,7 @@ impl Session {
             software: concat!("umbravox ", env!("CARGO_PKG_VERSION")).to_owned(),
             data: loaded.store().volume.fingerprint(),
             scene: scene.clone(),
+            transfer_function: Some(loaded.settings().curve.fingerprint()),
             light_directions: loaded.light_progress().0,
             device: device.name,
             driver: device.driver,

@@ -19,6 +19,8 @@ pub struct Stats {
     pub passes: Vec<PassStats>,
     /// Local ambient occlusion; `null` when it is off.
     pub lao: Option<LightStats>,
+    /// Scattered light; `null` for optical models without.
+    pub scattering: Option<ScatteringStats>,
     /// Samples of the field in the last picture.
     pub samples: SampleStats,
     /// Blocks of the volume.
@@ -55,6 +57,19 @@ pub struct PassStats {
     pub name: &'static str,
     /// Time on the device, ms.
     pub gpu_ms: f64,
+}
+
+/// Scattered light.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct ScatteringStats {
+    /// Iterations of the solver.
+    pub iterations: u32,
+    /// Largest change of the last iteration that is known, as a share of the largest fluence; `null` before there is one.
+    pub residual: Option<f64>,
+    /// Time on the device of all iterations, ms.
+    pub solver_ms: f64,
+    /// Paths of every pixel.
+    pub paths: u32,
 }
 
 /// Local ambient occlusion.
@@ -172,7 +187,15 @@ pub(super) fn of(
         image: ImageStats { size: image },
         frame_ms: times.frame_ms,
         passes: times.passes(),
-        lao: (rays > 0).then(|| LightStats {
+        scattering: loaded
+            .scattering_progress()
+            .map(|(iterations, residual, paths)| ScatteringStats {
+                iterations,
+                residual,
+                solver_ms: times.light_ms,
+                paths,
+            }),
+        lao: (rays > 0 && loaded.is_occluded()).then(|| LightStats {
             rays: traced,
             ms_per_ray: times.light_ms / f64::from(times.light_directions.max(1)),
             voxels: loaded.visibility().light.trace.len() as u64 * group,

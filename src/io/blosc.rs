@@ -137,7 +137,21 @@ fn zstd(packed: &[u8], out: &mut [u8]) -> io::Result<()> {
 
 /// Reads one Zstandard frame (RFC 8878).
 pub(super) fn zstd_reader<'a>(packed: &'a [u8]) -> io::Result<impl Read + use<'a>> {
-    ruzstd::decoding::StreamingDecoder::new(packed).map_err(|e| bad(format!("Zstandard: {e}")))
+    ruzstd::decoding::StreamingDecoder::new(packed)
+        .map(Zstandard)
+        .map_err(|e| bad(format!("Zstandard: {e}")))
+}
+
+/// The decoder calls damage [`io::ErrorKind::Other`].
+struct Zstandard<R>(R);
+
+impl<R: Read> Read for Zstandard<R> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        let Self(decoder) = self;
+        decoder
+            .read(out)
+            .map_err(|e| bad(format!("Zstandard: {e}")))
+    }
 }
 
 /// Puts bytes that lie by their place in the element back beside each other.

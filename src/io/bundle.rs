@@ -6,7 +6,7 @@ use std::io::{Read, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::Limits;
-use super::source::{self, bad};
+use super::source::bad;
 use crate::error::{Error, Result};
 
 /// Folders inside folders that are looked into.
@@ -106,7 +106,7 @@ impl Member {
     /// Up to `most` bytes from the start; none of what cannot be read.
     pub(super) fn head(&self, most: usize) -> Vec<u8> {
         match &self.data {
-            Data::File(path) => source::head(path, most).unwrap_or_default(),
+            Data::File(path) => head(path, most).unwrap_or_default(),
             Data::Bytes(bytes) => bytes.iter().take(most).copied().collect(),
         }
     }
@@ -152,6 +152,13 @@ impl Member {
             }
         }
     }
+}
+
+/// Up to `most` bytes from the start of a file.
+fn head(path: &Path, most: usize) -> std::io::Result<Vec<u8>> {
+    let mut head = Vec::with_capacity(most);
+    File::open(path)?.take(most as u64).read_to_end(&mut head)?;
+    Ok(head)
 }
 
 /// All bytes of a file, if they are no more than a volume may have.

@@ -1,13 +1,14 @@
-//! Voxels of several numbers, of which a volume keeps one.
+//! Voxels of several numbers, of which a volume keeps one, or a colour.
 
 use std::io::{self, Read};
 use std::path::Path;
 
+use super::ReadOptions;
 use super::element::{Element, Stored};
 use super::payload::read_full;
 use super::source::bad;
 use crate::error::Result;
-use crate::scene::Endian;
+use crate::scene::{Endian, VolumeColor};
 
 /// Shares of red, green and blue in luminance (ITU-R BT.709, 3.2), of the values as stored.
 pub(super) const LUMA: [f32; 3] = [0.2126, 0.7152, 0.0722];
@@ -20,17 +21,32 @@ const VOXELS_AT_ONCE: usize = 4096;
 pub(super) enum Pick {
     Component(usize),
     Luma,
+    /// Red, green, blue and alpha, a byte each.
+    Color,
 }
 
 impl Pick {
-    /// The component asked for; else luminance of colours; else the first.
-    pub(super) fn of(path: &Path, count: usize, colour: bool, asked: Option<u32>) -> Result<Self> {
-        match asked.map(|c| c as usize) {
+    /// The component asked for; else colours of 8 bits as they are, and luminance of others; else the first.
+    pub(super) fn of(
+        path: &Path,
+        count: usize,
+        colour: bool,
+        element: Element,
+        options: &ReadOptions<'_>,
+    ) -> Result<Self> {
+        let as_colors = options.color != Some(VolumeColor::TransferFunction);
+        match options.channel.map(|c| c as usize) {
             Some(c) if c < count => Ok(Self::Component(c)),
             Some(c) => Err(bad(
                 path,
                 format!("volume.channel {c} of {count} channels; the first is 0"),
             )),
+            None if colour && element == Element::U8 && matches!(count, 3 | 4) && as_colors => {
+                tracing::info!(
+                    "colours; volume.color \"transfer_function\" reads their luminance, volume.channel a channel"
+                );
+                Ok(Self::Color)
+            }
             None if colour => {
                 tracing::info!("colours; their luminance is read, volume.channel picks a channel");
                 Ok(Self::Luma)
@@ -75,7 +91,7 @@ impl Components {
         count: u64,
         element: Element,
         colour: bool,
-        asked: Option<u32>,
+        options: &ReadOptions<'_>,
     ) -> Result<Self> {
         const MOST: u64 = 1 << 12;
         if !(1..=MOST).contains(&count) {
@@ -86,7 +102,7 @@ impl Components {
         let colour = colour && count >= 3 && has_luma;
         Ok(Self {
             count,
-            pick: Pick::of(path, count, colour, asked)?,
+            pick: Pick::of(path, count, colour, element, options)?,
         })
     }
 }
@@ -134,6 +150,15 @@ impl ComponentReader {
             Pick::Component(c) => {
                 let component = |voxel| <[u8]>::get(voxel, c * each..(c + 1) * each);
                 self.kept.extend(voxels.filter_map(component).flatten());
+            }
+            Pick::Color => {
+                for voxel in voxels {
+                    let mut color = [u8::MAX; 4];
+                    for (to, &from) in color.iter_mut().zip(voxel) {
+                        *to = from;
+                    }
+                    self.kept.extend(color);
+                }
             }
             Pick::Luma => {
                 let swap = (self.endian == Endian::Big) != cfg!(target_endian = "big");

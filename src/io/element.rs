@@ -4,6 +4,8 @@ use std::fmt;
 
 use bytemuck::Pod;
 
+use crate::scene::Endian;
+
 /// Type of a stored voxel. Those wider than a [`Volume`](crate::volume::Volume) holds are narrowed exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Element {
@@ -50,6 +52,29 @@ impl fmt::Display for Element {
     }
 }
 
+/// Type names of NumPy without the byte order, as Zarr has them too.
+pub(super) const NUMPY_TYPES: [(&str, Element); 12] = [
+    ("b1", Element::U8),
+    ("u1", Element::U8),
+    ("i1", Element::I8),
+    ("u2", Element::U16),
+    ("i2", Element::I16),
+    ("u4", Element::U32),
+    ("i4", Element::I32),
+    ("u8", Element::U64),
+    ("i8", Element::I64),
+    ("f2", Element::F16),
+    ("f4", Element::F32),
+    ("f8", Element::F64),
+];
+
+/// Byte orders of NumPy type names; `|` is of single bytes.
+pub(super) const NUMPY_ORDERS: [(&str, Endian); 3] = [
+    ("<", Endian::Little),
+    ("|", Endian::Little),
+    (">", Endian::Big),
+];
+
 /// A number as it lies in a file.
 pub(super) trait Stored: Pod {
     /// With its bytes in the other order.
@@ -66,6 +91,13 @@ macro_rules! stored_integer {
     )*};
 }
 stored_integer!(u8 i8 u16 i16 u32 i32 u64 i64);
+
+/// A colour, byte by byte.
+impl Stored for [u8; 4] {
+    fn swapped(self) -> Self {
+        self
+    }
+}
 
 impl Stored for half::f16 {
     fn swapped(self) -> Self {

@@ -4,11 +4,12 @@ use std::path::Path;
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use super::decoded::Decoded;
 use super::element::Element;
 use super::source;
 use super::{Limits, ReadOptions};
 use crate::error::{Error, Result};
-use crate::volume::{MIN_SIZE, Rescale, Volume, Voxels};
+use crate::volume::{MIN_SIZE, Rescale, Volume};
 
 /// Directions whose parallelepiped is flatter than this, relative to their lengths, span no space.
 const MIN_RELATIVE_VOLUME: f64 = 1e-6;
@@ -164,13 +165,16 @@ pub(super) fn positive_spacing(path: &Path, key: &str, spacing: [f64; 3]) -> Res
 /// Puts a volume together; what it refuses is the file's fault.
 pub(super) fn volume(
     path: &Path,
-    voxels: Voxels,
+    voxels: impl Into<Decoded>,
     grid: Grid,
     world_from_ix: DAffine3,
     rescale: Rescale,
 ) -> Result<Volume> {
-    Volume::new(voxels, grid.size, world_from_ix, rescale).map_err(|error| match error {
-        Error::Invalid { at, message } => source::bad(path, format!("{at}: {message}")),
-        other => other,
-    })
+    let (voxels, colors) = voxels.into().into_parts()?;
+    Volume::new(voxels, grid.size, world_from_ix, rescale)
+        .and_then(|volume| volume.with_colors(colors))
+        .map_err(|error| match error {
+            Error::Invalid { at, message } => source::bad(path, format!("{at}: {message}")),
+            other => other,
+        })
 }

@@ -173,7 +173,7 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
         None => 1,
     };
     let colour = matches!(channels, 3 | 4);
-    let components = Components::of(path, channels, element, colour, options.channel)?;
+    let components = Components::of(path, channels, element, colour, options)?;
     let world_from_ix = world_from_ix(&header)?;
     let rescale = Rescale {
         slope: header.float("ElementToIntensityFunctionSlope", 1.0)?,

@@ -15,6 +15,7 @@ mod blosc;
 )]
 mod bundle;
 mod components;
+mod decoded;
 mod detached;
 #[cfg(feature = "dicom")]
 mod dicom;
@@ -63,7 +64,7 @@ use bundle::Bundle;
 pub use formats::{FORMATS, Format};
 
 use crate::error::{Error, Result};
-use crate::scene::{RawDescription, VolumeSource};
+use crate::scene::{LabelSource, RawDescription, VolumeColor, VolumeSource};
 use crate::volume::{LabelMap, Volume};
 
 /// What a caller may say about a file before it is read.
@@ -76,8 +77,11 @@ pub struct ReadOptions<'a> {
     pub series: Option<String>,
     /// Which volume of a file that holds several, from 0. Default: the first.
     pub timestep: Option<u32>,
-    /// Which component of a voxel that has several, from 0. Default: the first; of colours, luminance.
+    /// Which component of a voxel that has several, from 0. Default: the first; all of colours.
     pub channel: Option<u32>,
+    /// Whether voxels that are colours of 8 bits are read so, or as one number. Default: as colours, unless a channel is
+    /// asked for.
+    pub color: Option<VolumeColor>,
     /// Which resolution of a file that has several, from 0, the finest. Default: the finest within the limits.
     pub level: Option<u32>,
     /// Refuse what would have to be resampled or guessed.
@@ -96,8 +100,20 @@ impl From<&VolumeSource> for ReadOptions<'_> {
             series: source.series.clone(),
             timestep: source.timestep,
             channel: source.channel,
+            color: source.color,
             level: source.level,
             strict: source.strict,
+            ..Self::default()
+        }
+    }
+}
+
+impl From<&LabelSource> for ReadOptions<'_> {
+    /// What a scene says, with default limits.
+    fn from(source: &LabelSource) -> Self {
+        Self {
+            series: source.series.clone(),
+            channel: source.channel,
             ..Self::default()
         }
     }

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::bundle::{Bundle, Member};
 use super::components::Components;
-use super::element::Element;
+use super::element::{Element, NUMPY_ORDERS, NUMPY_TYPES};
 use super::formats::{BundleReader, FileReader};
 use super::grid::{self, Grid};
 use super::payload::{Coding, Payload};
@@ -36,21 +36,6 @@ pub(super) const FORMAT: Format = Format {
 };
 
 const MAGIC: &[u8] = b"\x93NUMPY";
-
-const TYPES: &[(&str, Element)] = &[
-    ("u1", Element::U8),
-    ("b1", Element::U8),
-    ("i1", Element::I8),
-    ("u2", Element::U16),
-    ("i2", Element::I16),
-    ("u4", Element::U32),
-    ("i4", Element::I32),
-    ("u8", Element::U64),
-    ("i8", Element::I64),
-    ("f2", Element::F16),
-    ("f4", Element::F32),
-    ("f8", Element::F64),
-];
 
 fn is_array(member: &Member) -> bool {
     member.head(MAGIC.len()) == MAGIC
@@ -96,6 +81,14 @@ fn read(mut source: Source, options: &ReadOptions<'_>) -> Result<Volume> {
     } else if axes.len() != 3 {
         return Err(source.bad(format!("shape {axes:?} in Fortran order: 3 axes are read")));
     }
+    // Bytes of which the last index counts three or four are colours, as imaging libraries keep them.
+    let components = match axes.as_slice() {
+        &[count @ (3 | 4), _, _, _, ..] if !reordered && header.element == Element::U8 => {
+            axes.remove(0);
+            Components::of(&path, count, header.element, true, options)?
+        }
+        _ => Components::ONE,
+    };
     let file_grid = Grid::new(&path, "shape", &axes, header.element, options)?;
     let payload = Payload {
         grid: file_grid,
@@ -103,16 +96,16 @@ fn read(mut source: Source, options: &ReadOptions<'_>) -> Result<Volume> {
         endian: header.endian,
         coding: Coding::Raw,
         skip: 0,
-        components: Components::ONE,
+        components,
     };
-    let mut voxels = payload.decode(source, options)?;
+    let mut decoded = payload.decode(source, options)?;
     let mut grid = file_grid;
     if reordered {
-        voxels = from_first_fastest(voxels, file_grid.size)?;
+        decoded = from_first_fastest(decoded, file_grid.size)?;
         grid.size.reverse();
     }
     let world_from_ix = grid::placement(&path, "spacing", DVec3::AXES, DVec3::ZERO)?;
-    grid::volume(&path, voxels, grid, world_from_ix, Rescale::default())
+    grid::volume(&path, decoded, grid, world_from_ix, Rescale::default())
 }
 
 fn header(source: &mut Source, path: &Path, max_bytes: u64) -> Result<Header> {
@@ -143,19 +136,10 @@ fn header(source: &mut Source, path: &Path, max_bytes: u64) -> Result<Header> {
     };
     let descr = field("descr")?.trim_matches(['\'', '"']);
     let (order, name) = descr.split_at_checked(1).unwrap_or(("", descr));
-    let endian = text::one_of(
-        path,
-        "descr: byte order",
-        order,
-        &[
-            ("<", Endian::Little),
-            ("|", Endian::Little),
-            (">", Endian::Big),
-        ],
-    )?;
+    let endian = text::one_of(path, "descr: byte order", order, &NUMPY_ORDERS)?;
     let shape = field("shape")?.trim_matches(['(', ')']);
     Ok(Header {
-        element: text::one_of(path, "descr", name, TYPES)?,
+        element: text::one_of(path, "descr", name, &NUMPY_TYPES)?,
         endian,
         fortran_order: text::one_of(
             path,

@@ -8,7 +8,8 @@ use bzip2::bufread::MultiBzDecoder;
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 
 use super::ReadOptions;
-use super::components::{ComponentReader, Components};
+use super::components::{ComponentReader, Components, Pick};
+use super::decoded::Decoded;
 use super::element::{Element, Stored};
 use super::grid::Grid;
 use super::narrow::{Narrowed, Wide, not_exact};
@@ -74,7 +75,7 @@ pub(super) struct Payload {
 
 impl Payload {
     /// Reads the voxels, from where `source` stands.
-    pub(super) fn decode(&self, mut source: Source, options: &ReadOptions<'_>) -> Result<Voxels> {
+    pub(super) fn decode(&self, mut source: Source, options: &ReadOptions<'_>) -> Result<Decoded> {
         let what = format!(
             "{:?} voxels of {}",
             self.grid.size,
@@ -99,7 +100,7 @@ impl Payload {
         files: Vec<PathBuf>,
         to_data: impl Fn(&mut Source, u64) -> Result<u64> + 'static,
         options: &ReadOptions<'_>,
-    ) -> Result<Voxels> {
+    ) -> Result<Decoded> {
         let (coding, element) = (self.coding, self.element);
         let bytes = self.bytes(self.grid.all_bytes);
         let decoder = move |source| coding.decoder(source, element);
@@ -114,7 +115,7 @@ impl Payload {
         reader: Box<dyn Read>,
         skip: u64,
         options: &ReadOptions<'_>,
-    ) -> Result<Voxels> {
+    ) -> Result<Decoded> {
         let endian = match self.coding {
             Coding::Ascii if cfg!(target_endian = "big") => Endian::Big,
             Coding::Ascii => Endian::Little,
@@ -134,7 +135,19 @@ impl Payload {
             let kept = ComponentReader::new(all, self.components, self.element, endian);
             stream.reader = Box::new(kept);
         }
-        let voxels = match self.element {
+        let decoded = if self.components.pick == Pick::Color {
+            Decoded::Colors(stream.fill()?)
+        } else {
+            Decoded::Numbers(self.numbers(&mut stream)?)
+        };
+        if matches!(self.coding, Coding::Gzip | Coding::Zlib | Coding::Bzip2) {
+            stream.reach_checksum()?;
+        }
+        Ok(decoded)
+    }
+
+    fn numbers(&self, stream: &mut Stream<'_>) -> Result<Voxels> {
+        Ok(match self.element {
             Element::U8 => Voxels::U8(stream.fill()?),
             Element::I8 => Voxels::I8(stream.fill()?),
             Element::U16 => Voxels::U16(stream.fill()?),
@@ -146,11 +159,7 @@ impl Payload {
             Element::U64 => stream.narrow::<u64>()?,
             Element::I64 => stream.narrow::<i64>()?,
             Element::F64 => stream.narrow::<f64>()?,
-        };
-        if matches!(self.coding, Coding::Gzip | Coding::Zlib | Coding::Bzip2) {
-            stream.reach_checksum()?;
-        }
-        Ok(voxels)
+        })
     }
 
     /// Bytes of all components, from those of one.
@@ -275,7 +284,7 @@ impl Stream<'_> {
         }
         if let Some(progress) = self.options.progress {
             let done = ((start + chunk.len()) * size_of::<T>()) as u64;
-            progress(done, self.grid.bytes);
+            progress(done.min(self.grid.bytes), self.grid.bytes);
         }
         Ok(())
     }
@@ -324,24 +333,26 @@ pub(super) fn read_full(reader: &mut dyn Read, mut out: &mut [u8]) -> io::Result
     Ok(total)
 }
 
-/// An array of zeros, written by all cores: most of the time goes into the pages that the system gives.
+/// An array of zeros. Its pages come from the system when they are first written, by whoever does it, and are not written here.
 #[cfg(any(feature = "dicom", feature = "image-stacks"))]
-pub(super) fn zeroed<T: bytemuck::Zeroable + Copy + Send + Sync>(count: usize) -> Result<Vec<T>> {
-    use rayon::iter::IndexedParallelIterator;
-    let mut zeros = reserve(count)?;
-    rayon::iter::repeat_n(T::zeroed(), count).collect_into_vec(&mut zeros);
-    Ok(zeros)
+pub(super) fn zeroed<T: bytemuck::Zeroable>(count: usize) -> Result<Vec<T>> {
+    bytemuck::allocation::try_zeroed_vec(count)
+        .map_err(|()| no_room::<T>(count, "the system gives no memory".into()))
 }
 
 /// An empty array with exactly the room that is needed.
 pub(super) fn reserve<T>(count: usize) -> Result<Vec<T>> {
     let mut room = Vec::new();
     room.try_reserve_exact(count)
-        .map_err(|e| Error::OutOfMemory {
-            heap: "host",
-            what: "voxels".into(),
-            bytes: (count as u64).saturating_mul(size_of::<T>() as u64),
-            detail: e.to_string(),
-        })?;
+        .map_err(|e| no_room::<T>(count, e.to_string()))?;
     Ok(room)
+}
+
+fn no_room<T>(count: usize, detail: String) -> Error {
+    Error::OutOfMemory {
+        heap: "host",
+        what: "voxels".into(),
+        bytes: (count as u64).saturating_mul(size_of::<T>() as u64),
+        detail,
+    }
 }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::ReadOptions;
 use super::components::{LUMA, Pick};
+use super::decoded::Decoded;
 use super::element::Element;
 use super::grid::Grid;
 use super::payload::{MAX_DEFLATE_RATIO, zeroed};
@@ -68,12 +69,13 @@ pub(super) fn stack(
     decode: impl Fn(usize) -> Result<Picture> + Sync,
     path_of: impl Fn(usize) -> PathBuf + Sync,
     options: &ReadOptions<'_>,
-) -> Result<(Voxels, Grid)> {
+) -> Result<(Decoded, Grid)> {
     let first = decode(0)?;
     let axes = [first.columns.into(), first.rows.into(), count as u64];
     let keys = "columns, rows, pictures";
     let grid = Grid::of_one(path, keys, axes, first.element(), &options.limits)?;
-    let pick = Pick::of(path, first.channels, first.channels >= 3, options.channel)?;
+    let channels = first.channels;
+    let pick = Pick::of(path, channels, channels >= 3, first.element(), options)?;
     let stack = Stack {
         first: &first,
         grid,
@@ -82,6 +84,9 @@ pub(super) fn stack(
         path_of,
         progress: options.progress,
     };
+    if pick == Pick::Color {
+        return Ok((Decoded::Colors(stack.colors()?), grid));
+    }
     let voxels = match &first.samples {
         Voxels::U8(_) => Voxels::U8(stack.fill(
             |v| match v {
@@ -119,7 +124,7 @@ pub(super) fn stack(
             |x| x,
         )?),
     };
-    Ok((voxels, grid))
+    Ok((voxels.into(), grid))
 }
 
 struct Stack<'a, D, P> {
@@ -141,13 +146,42 @@ where
         samples_of: impl Fn(&Voxels) -> Option<&Vec<T>> + Sync,
         from_luma: impl Fn(f32) -> T + Sync,
     ) -> Result<Vec<T>> {
+        let pick = self.pick;
+        self.slices(samples_of, |samples, channels, out| {
+            pick_samples(samples, channels, pick, out, &from_luma);
+        })
+    }
+
+    fn colors(&self) -> Result<Vec<[u8; 4]>> {
+        self.slices(
+            |v| match v {
+                Voxels::U8(v) => Some(v),
+                _ => None,
+            },
+            |samples: &[u8], channels, out: &mut [[u8; 4]]| {
+                for (out, pixel) in out.iter_mut().zip(samples.chunks_exact(channels)) {
+                    *out = [u8::MAX; 4];
+                    for (to, &from) in out.iter_mut().zip(pixel) {
+                        *to = from;
+                    }
+                }
+            },
+        )
+    }
+
+    /// Decodes all slices; `convert` makes voxels of the samples of one, of which each pixel has some.
+    fn slices<S: Sync, T: bytemuck::Zeroable + Copy + Send + Sync>(
+        &self,
+        samples_of: impl Fn(&Voxels) -> Option<&Vec<S>> + Sync,
+        convert: impl Fn(&[S], usize, &mut [T]) + Sync,
+    ) -> Result<Vec<T>> {
         let Self {
             first,
             grid,
-            pick,
             decode,
             path_of,
             progress,
+            ..
         } = self;
         let [x, y, z] = grid.size.map(|n| n as usize);
         let mut voxels = zeroed(grid.voxels)?;
@@ -160,7 +194,7 @@ where
                     && picture.channels == first.channels;
                 match samples_of(&picture.samples) {
                     Some(samples) if same => {
-                        pick_samples(samples, picture.channels, *pick, out, &from_luma);
+                        convert(samples, picture.channels, out);
                         done.fetch_add(slice_bytes, Ordering::Relaxed);
                         Ok(())
                     }
@@ -197,7 +231,7 @@ fn pick_samples<T: Copy + Into<f32>>(
                 *out = sample;
             }
         }
-        Pick::Luma => {
+        Pick::Luma | Pick::Color => {
             for (out, pixel) in out.iter_mut().zip(samples.chunks_exact(channels)) {
                 *out = from_luma(
                     pixel

@@ -104,6 +104,8 @@ pub(crate) struct PictureVariant {
     pub(crate) gradient: Gradient,
     /// An optical model that the march of emission and absorption does not know.
     pub(crate) transport: Option<TransportVariant>,
+    /// Samples have the colours of the data.
+    pub(crate) data_color: bool,
     pub(crate) jitter: bool,
     pub(crate) aux: bool,
     pub(crate) scene_depth: bool,
@@ -165,6 +167,7 @@ impl PictureVariant {
             (SPEC_XRAY, (self.projection == RayProjection::Xray).into()),
             (SPEC_LIGHT, self.light.into()),
             (SPEC_DIFFUSE, self.diffuse.into()),
+            (SPEC_DATA_COLOR, self.data_color.into()),
             (SPEC_JITTER, self.jitter.into()),
             (SPEC_AUX, self.aux.into()),
             (SPEC_SCENE_DEPTH, self.scene_depth.into()),
@@ -330,12 +333,21 @@ impl PicturePass {
             },
             None => sampled(&self.unused_sampled, &self.nearest),
         };
+        let color = match &images.color {
+            Some(color) => {
+                recorder.use_image(&color.image, Access::SampledRead);
+                sampled(&color.image, &images.linear)
+            }
+            // Another image of its kind, which is not read.
+            None => sampled(&images.atlas, images.atlas_sampler()),
+        };
         let mut bound = field.to_vec();
         bound.extend(use_labels(recorder, images, labels));
         bound.extend([
             (BINDING_VOLUME, Bound::Uniform(volume)),
             (BINDING_FRAME, Bound::Uniform(frame)),
             (BINDING_LIGHT, light),
+            (BINDING_COLOR, color),
             (BINDING_SCENE_DEPTH, depth),
             (BINDING_TARGET, Bound::StorageView(target)),
             (BINDING_AUX, Bound::StorageImage(aux)),

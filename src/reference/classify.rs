@@ -37,13 +37,17 @@ impl Contribution {
     }
 }
 
-/// Classifies a segment in the order that the march asks for; the label at its middle has the last word.
+/// Classifies a segment in the order that the march asks for; colour of the data and label are those at its middle, and the
+/// label has the last word.
 pub(super) fn classify(probe: &Probe, segment: Segment) -> Contribution {
     let label = probe.label(segment.middle());
     if !label.shown {
         return Contribution::default();
     }
-    let contribution = classify_values(probe, segment);
+    let mut contribution = classify_values(probe, segment);
+    if let Some(color) = probe.data_color(segment.middle()) {
+        contribution.color = contribution.alpha() * color;
+    }
     let labelled = contribution.alpha() * DVec3::from_array(label.color);
     Contribution {
         color: contribution.color.lerp(labelled, label.tint),

@@ -5,7 +5,8 @@ use rayon::prelude::*;
 use super::probe::Probe;
 use super::{LightGrid, Ray, composite, projection};
 use crate::scene::{
-    Curve, Labels, Lighting, March, OpticalModel, RayProjection, Scene, Surface, View,
+    ColorManagement, Curve, Labels, Lighting, March, OpticalModel, RayProjection, Scene, Surface,
+    View,
 };
 use crate::volume::Volume;
 
@@ -31,6 +32,8 @@ pub struct Setup<'a> {
     pub lighting: &'a Lighting,
     /// Ambient light at every voxel, same size as the volume; `None`: 1 everywhere.
     pub light: Option<&'a LightGrid>,
+    /// The colours of the volume's voxels, decoded so, in place of the curve's; `None`: the latter.
+    pub data_color: Option<ColorManagement>,
     /// What labels hide and colour.
     pub labels: Option<&'a Labels>,
     /// Accumulated opacity at which a ray's depth is taken, in (0,1].
@@ -61,6 +64,7 @@ impl<'a> Setup<'a> {
             surfaces,
             lighting: &scene.lighting,
             light,
+            data_color: scene.data_color(volume, curve).unwrap_or_default(),
             labels: None,
             depth_threshold: scene.image.depth_threshold,
             jitter: None,

@@ -51,6 +51,14 @@ impl<'a> Probe<'a> {
             .sample_clamped(self.ix(distance), self.setup.march.interpolation)
     }
 
+    /// The data's own colour, linear, where it is drawn.
+    pub(super) fn data_color(&self, distance: f64) -> Option<DVec3> {
+        let management = self.setup.data_color?;
+        let interpolation = self.setup.march.interpolation;
+        self.field
+            .color(self.ix(distance), interpolation, management)
+    }
+
     /// What the label nearest to a place says.
     pub(super) fn label(&self, distance: f64) -> LabelStyle {
         self.setup.labels.map_or(LabelStyle::PLAIN, |labels| {

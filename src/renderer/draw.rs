@@ -11,7 +11,7 @@ use super::settings::Settings;
 use super::transport::{Transport, environment_kind, phase_kind};
 use super::{Frame, FrameReport, Paths, RayBasis, pass_name};
 use crate::atlas::UploadResources;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::{Context, Recorder, Uniforms};
 use crate::pass::Reconstruction;
 use crate::pass::bare::BareResources;
@@ -301,6 +301,7 @@ impl Loaded {
         frame: &Frame<'_>,
     ) -> Result<()> {
         let target = frame.target;
+        self.check_rounds(context)?;
         let mut params = self.frame_params(frame);
         if self.settings.traces_paths() {
             params.frame = self.next_path(context, frame)?;
@@ -325,6 +326,7 @@ impl Loaded {
             diffuse: lighting.shading == Shading::Diffuse,
             gradient: lighting.gradient,
             transport: self.transport.as_ref().map(Transport::variant),
+            data_color: self.images.color.is_some(),
             jitter: march.jitter,
             aux: frame.aux.is_some(),
             scene_depth: frame.depth.is_some(),
@@ -361,6 +363,51 @@ impl Loaded {
                 aux: frame.aux,
             };
             picture_pass.record(context, recorder, variant, &resources, target.size_px, tile)
+        })
+    }
+
+    /// Refuses pictures of which some device would leave a part out without a word.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] where rays may take more samples than all loops of an invocation have rounds.
+    fn check_rounds(&self, context: &Context) -> Result<()> {
+        let Some(most) = context.capabilities().max_loop_rounds else {
+            return Ok(());
+        };
+        let segments = self.longest_mm() / self.step_mm();
+        let lighting = &self.settings.lighting;
+        let by_rays = self
+            .transport
+            .as_ref()
+            .is_some_and(Transport::casts_shadow_rays);
+        // A shadow ray looks at 16 samples a round, and leaps.
+        let of_shadows = if by_rays {
+            lighting.lights.len() as f64 * (segments / 16.0 + 8.0)
+        } else {
+            0.0
+        };
+        let rounds = segments * (1.0 + of_shadows);
+        if rounds <= f64::from(most) {
+            return Ok(());
+        }
+        Err(Error::Unsupported {
+            device: context.capabilities().name.clone(),
+            need: format!(
+                "rays of up to {segments:.0} samples{}, {rounds:.0} rounds of loops",
+                if by_rays {
+                    ", each with rays to the lights"
+                } else {
+                    ""
+                }
+            ),
+            have: format!(
+                "{most}, and it ends loops silently after that; give a larger march.step{}",
+                if by_rays {
+                    ", or the shadow method \"sweep\""
+                } else {
+                    ""
+                }
+            ),
         })
     }
 
@@ -412,11 +459,16 @@ impl Loaded {
 
     /// The largest tile whose dispatch takes a bounded number of samples, a multiple of 8.
     pub(crate) fn default_tile(&self) -> u32 {
+        let longest = self.longest_mm() / self.step_mm();
+        ((SAMPLES_A_DISPATCH / longest).sqrt() as u32).clamp(8, 8192) / 8 * 8
+    }
+
+    /// Longest way through the volume, at least.
+    fn longest_mm(&self) -> f64 {
         let volume = &self.store.volume;
         let extent =
             DVec3::from_array(volume.size().map(f64::from)) * DVec3::from_array(volume.spacing());
-        let longest = extent.length() / self.step_mm();
-        ((SAMPLES_A_DISPATCH / longest).sqrt() as u32).clamp(8, 8192) / 8 * 8
+        extent.length()
     }
 
     fn step_mm(&self) -> f64 {

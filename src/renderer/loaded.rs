@@ -9,8 +9,8 @@ use super::prepared::Prepared;
 use super::settings::Settings;
 use super::transport::Transport;
 use crate::atlas::{
-    Images, LIGHT_TEXEL_BYTES, LabelImages, LightLists, Residency, SampleLengths, SampleScale,
-    Shown, Store, TransferTable, Uploads, Visibility,
+    COLOR_TEXEL_BYTES, Images, LIGHT_TEXEL_BYTES, LabelImages, LightLists, Residency,
+    SampleLengths, SampleScale, Shown, Store, TransferTable, Uploads, Visibility,
 };
 use crate::error::Result;
 use crate::gpu::Context;
@@ -61,7 +61,7 @@ impl Loaded {
         let lit = settings.ambient_occlusion.is_some();
         let visibility = visibility(&store, &residency, &table, &settings);
         let prepared = Prepared::new(context, NAME, &table, &residency, &settings)?;
-        let images = Images::new(context, NAME, &store, &residency, lit)?;
+        let images = Images::new(context, NAME, &store, &residency, lit, settings.data_color)?;
         let labels = label_images(context, &settings)?;
         let lists = LightLists::new(context, NAME, &visibility.light)?;
         let light = light_progress(&store, &settings);
@@ -94,7 +94,7 @@ impl Loaded {
         })
     }
 
-    pub(super) fn settings(&self) -> &Settings {
+    pub(crate) fn settings(&self) -> &Settings {
         &self.settings
     }
 
@@ -129,7 +129,9 @@ impl Loaded {
             || settings.is_preintegrated() != old.is_preintegrated();
         let lit = settings.ambient_occlusion.is_some();
         let was_lit = old.ambient_occlusion.is_some();
-        let relevel = reclassify || settings.storage != old.storage || lit != was_lit;
+        let color = settings.data_color;
+        let reimage = lit != was_lit || color != old.data_color;
+        let relevel = reclassify || settings.storage != old.storage || reimage;
         let table = if reclassify {
             transfer_table(&self.store, &settings)
         } else {
@@ -150,8 +152,8 @@ impl Loaded {
         let prepared = (reclassify || residency.is_some() || settings.march.step != old.march.step)
             .then(|| Prepared::new(context, NAME, &table, current, &settings))
             .transpose()?;
-        let images = (residency.is_some() || lit != was_lit)
-            .then(|| Images::new(context, NAME, &self.store, current, lit))
+        let images = (residency.is_some() || reimage)
+            .then(|| Images::new(context, NAME, &self.store, current, lit, color))
             .transpose()?;
         let map = |settings: &Settings| settings.labels.as_ref().map(|l| Arc::as_ptr(l.map()));
         let labels = (map(&settings) != map(old))
@@ -242,6 +244,25 @@ impl Loaded {
         }
     }
 
+    /// True when there is local ambient occlusion.
+    pub(crate) fn is_occluded(&self) -> bool {
+        self.light.is_some()
+    }
+
+    /// Of optical models that scatter: iterations of the solver, its residual where that is known, paths of every pixel.
+    pub(crate) fn scattering_progress(&self) -> Option<(u32, Option<f64>, u32)> {
+        let transport = self.transport.as_ref()?;
+        if !self.settings.lighting.model.scatters() {
+            return None;
+        }
+        let (iterations, residual) = match &transport.scattered {
+            None => (0, None),
+            // What cannot be read is not known.
+            Some(scattered) => (scattered.progress().0, scattered.residual().ok().flatten()),
+        };
+        Some((iterations, residual, self.path_progress().0))
+    }
+
     /// Paths of every pixel of the last view, and those that the scene asks for; 0 where none are traced.
     pub(crate) fn path_progress(&self) -> (u32, u32) {
         if !self.settings.traces_paths() {
@@ -312,13 +333,13 @@ fn select(
     table: &TransferTable,
     settings: &Settings,
 ) -> Result<crate::volume::select::Selection> {
-    let light = if settings.ambient_occlusion.is_some() {
-        LIGHT_TEXEL_BYTES
-    } else {
-        0
-    };
-    let shown = shown(table, settings);
-    Residency::select(store, &shown, &settings.storage, light)
+    let light = settings
+        .ambient_occlusion
+        .as_ref()
+        .map(|_| LIGHT_TEXEL_BYTES);
+    let color = settings.data_color.map(|_| COLOR_TEXEL_BYTES);
+    let others = light.unwrap_or(0) + color.unwrap_or(0);
+    Residency::select(store, &shown(table, settings), &settings.storage, others)
 }
 
 fn choose(

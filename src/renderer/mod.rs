@@ -134,7 +134,7 @@ impl Renderer {
     /// that are out of range ([`Settings::validate`]) or that no residency satisfies.
     pub fn new(context: &Arc<Context>, volume: Arc<Volume>, settings: Settings) -> Result<Self> {
         settings.validate()?;
-        settings.check_labels(&volume)?;
+        settings.check_volume(&volume)?;
         Ok(Self {
             context: context.clone(),
             slots: FrameSlots::default(),
@@ -160,7 +160,7 @@ impl Renderer {
     /// As [`Renderer::new`]; the old settings stay in force then.
     pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
         settings.validate()?;
-        settings.check_labels(&self.loaded.store().volume)?;
+        settings.check_volume(&self.loaded.store().volume)?;
         self.loaded.set_settings(&self.context, settings)
     }
 

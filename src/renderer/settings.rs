@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use crate::scene::{
-    AmbientOcclusion, Classification, Curve, EnvironmentMap, Labels, Lighting, March, OpticalModel,
-    RayProjection, ScatteringMethod, Scene, Shading, Storage, Surface, check_together,
+    AmbientOcclusion, Classification, ColorManagement, Curve, EnvironmentMap, Labels, Lighting,
+    March, OpticalModel, RayProjection, ScatteringMethod, Scene, Shading, Storage, Surface,
+    VolumeColor, check_data_color, check_together,
 };
 use crate::volume::Volume;
 
@@ -14,6 +15,8 @@ use crate::volume::Volume;
 pub struct Settings {
     /// Transfer function, colours decoded.
     pub curve: Curve,
+    /// The colours of the volume's voxels, decoded so, in place of the transfer function's; `None`: the latter.
+    pub data_color: Option<ColorManagement>,
     /// Ray sampling.
     pub march: March,
     /// What [`March::surfaces`] makes of the march's isosurfaces.
@@ -45,6 +48,7 @@ impl Settings {
         let curve = scene.transfer_function.curve(volume, colors)?;
         Ok(Self {
             surfaces: scene.march.surfaces(&curve, colors),
+            data_color: scene.data_color(volume, &curve)?,
             curve,
             labels: Labels::of_scene(scene, volume)?,
             march: scene.march.clone(),
@@ -67,6 +71,9 @@ impl Settings {
         self.lighting.validate()?;
         self.storage.validate()?;
         check_together(&self.march, &self.lighting, self.ambient_occlusion.as_ref())?;
+        if self.data_color.is_some() {
+            check_data_color(&self.march, &self.lighting, self.curve.glows())?;
+        }
         if let Some(ao) = &self.ambient_occlusion {
             ao.validate()?;
         }
@@ -138,8 +145,11 @@ impl Settings {
             && self.march.classification() == Classification::Preintegrated
     }
 
-    /// Labels must lie where the volume does.
-    pub(super) fn check_labels(&self, volume: &Volume) -> Result<()> {
+    /// Labels must lie where the volume does, and colours that are to be drawn must be there.
+    pub(super) fn check_volume(&self, volume: &Volume) -> Result<()> {
+        if self.data_color.is_some() {
+            VolumeColor::require_colors(volume)?;
+        }
         match &self.labels {
             Some(labels) => labels.map().check_overlap(volume),
             None => Ok(()),

@@ -133,6 +133,11 @@ impl Transport {
         self.images.record(context, recorder, &texels)
     }
 
+    /// True when every sample of the march sends rays to the lights.
+    pub(super) fn casts_shadow_rays(&self) -> bool {
+        !self.settings.traces_paths() && shadowing(&self.settings) == Shadowing::Rays
+    }
+
     /// What specializes the march.
     pub(super) fn variant(&self) -> TransportVariant {
         let lighting = &self.settings.lighting;

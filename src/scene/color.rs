@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use crate::volume::linear_from_srgb;
+
 /// What colours in the scene file and in the picture mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -12,15 +14,6 @@ pub enum ColorManagement {
     Linear,
     /// Numbers are used as they are on both ends (what VTK does).
     None,
-}
-
-/// IEC 61966-2-1 decoding of one channel. Values above 1 follow the same curve.
-pub fn linear_from_srgb(display: f64) -> f64 {
-    if display <= 0.04045 {
-        display / 12.92
-    } else {
-        ((display + 0.055) / 1.055).powf(2.4)
-    }
 }
 
 /// IEC 61966-2-1 encoding of one channel. Values above 1 follow the same curve.

@@ -24,6 +24,12 @@ pub struct LabelSource {
     /// File, relative to the scene file, with a whole number at each voxel. Its grid may differ from the volume's: the nearest
     /// label counts.
     pub path: PathBuf,
+    /// Which series or grid of the file; as in `volume`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub series: Option<String>,
+    /// Which layer of a file that holds several, from 0: segments that overlap lie in layers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channel: Option<u32>,
     /// Labels that are drawn; all others are left out. Default: all are drawn.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub show: Option<Vec<i32>>,
@@ -47,6 +53,8 @@ impl LabelSource {
     pub fn new(path: impl Into<PathBuf>) -> Self {
         Self {
             path: path.into(),
+            series: None,
+            channel: None,
             show: None,
             hide: None,
             colors: None,

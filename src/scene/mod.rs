@@ -29,6 +29,7 @@ mod storage;
 mod transfer_file;
 mod transfer_function;
 mod validate;
+mod volume_color;
 
 pub use ambient_occlusion::AmbientOcclusion;
 pub use camera::{Camera, Framed, Projection, View};
@@ -56,6 +57,8 @@ pub use validate::{
     MAX_EMISSION, MAX_EXPOSURE, MAX_IMAGE_SIZE, MAX_ISOSURFACES, MAX_RAYS, MAX_SAMPLES_PER_RAY,
     MIN_STEP,
 };
+pub use volume_color::VolumeColor;
+pub(crate) use volume_color::check_data_color;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -111,9 +114,13 @@ pub struct VolumeSource {
     /// Which volume of a file that holds several in time, from 0. Default: the first.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub timestep: Option<u32>,
-    /// Which component of voxels that have several, from 0. Default: the first; of colours, luminance.
+    /// Which component of voxels that have several, from 0. Default: the first; all of colours.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub channel: Option<u32>,
+    /// Where the colours of a volume whose voxels are colours of 8 bits come from. Default: from the data, in compositing and
+    /// without `channel`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub color: Option<VolumeColor>,
     /// Which resolution of an OME-Zarr image, from 0, the finest. Default: the finest within the limits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub level: Option<u32>,

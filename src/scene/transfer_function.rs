@@ -2,10 +2,11 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
 use super::{ColorManagement, Guess, TransferFile, presets, transfer_file};
 use crate::error::Result;
-use crate::volume::Volume;
+use crate::volume::{Volume, hexadecimal};
 
 /// One control point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -165,6 +166,12 @@ impl Curve {
     pub fn glows(&self) -> bool {
         let mut sources = self.points.iter().flat_map(|p| p.optical.source);
         sources.any(|s| s > 0.0)
+    }
+
+    /// SHA-256 of the unit distance and every control point, as 64 hexadecimal digits, whatever file or preset they came from.
+    pub fn fingerprint(&self) -> String {
+        // Numbers are written so that they are read back as they are.
+        hexadecimal(Sha256::new_with_prefix(format!("{self:?}")))
     }
 
     /// True when some point emits.

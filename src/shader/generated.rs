@@ -337,6 +337,8 @@ pub const BINDING_SCATTERED_STORE: u32 = 43;
 
 pub const BINDING_RESIDUAL: u32 = 44;
 
+pub const BINDING_COLOR: u32 = 45;
+
 pub const SPEC_INTERPOLATION: u32 = 0;
 
 pub const SPEC_BLOCKS_APART: u32 = 1;
@@ -392,3 +394,5 @@ pub const SPEC_SCATTERED: u32 = 25;
 pub const SPEC_GLOBAL_MAJORANT: u32 = 26;
 
 pub const SPEC_COUNT: u32 = 27;
+
+pub const SPEC_DATA_COLOR: u32 = 28;

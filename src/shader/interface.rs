@@ -148,9 +148,10 @@ const MARCH_SPEC_IDS: &[u32] = &[
     SPEC_GRADIENT,
     SPEC_XRAY,
     SPEC_LABELS,
+    SPEC_DATA_COLOR,
 ];
 
-const fn march_bindings(target: Access) -> [Binding; 14] {
+const fn march_bindings(target: Access) -> [Binding; 15] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -166,6 +167,7 @@ const fn march_bindings(target: Access) -> [Binding; 14] {
         sampled(BINDING_PREINTEGRATED_EMISSION),
         sampled(BINDING_LABELS),
         sampled(BINDING_LABEL_TABLE),
+        sampled(BINDING_COLOR),
     ]
 }
 

@@ -13,9 +13,10 @@ use rayon::prelude::*;
 
 use super::Volume;
 use super::blocks::{BlockGrid, FINEST, Levels, brick_extent, brick_texels};
+use super::color::ColorChannel;
 use super::filter::BlockFilter;
 use super::texel::{Voxel, with_typed};
-use crate::error::Result;
+use crate::error::{Error, Result};
 
 /// Makes the texels of any brick; coarse ones are kept, finest ones are copied out of the volume.
 pub struct BrickBuilder<'a> {
@@ -34,17 +35,7 @@ impl<'a> BrickBuilder<'a> {
     /// [`crate::error::Error::Invalid`] when `levels` do not fit `grid`, or `grid` does not fit the
     /// volume.
     pub fn new(volume: &'a Volume, grid: &'a BlockGrid, levels: &'a Levels) -> Result<Self> {
-        levels.check(grid)?;
-        if grid.size() != volume.size() {
-            return Err(crate::error::Error::invalid(
-                "blocks",
-                format!(
-                    "blocks of {:?} voxels do not fit a volume of {:?}",
-                    grid.size(),
-                    volume.size()
-                ),
-            ));
-        }
+        check(volume, grid, levels)?;
         let bricks: Box<dyn Write + 'a> = with_typed!(
             volume.voxels(),
             voxels => Box::new(Bricks::new(voxels, grid, levels))
@@ -54,6 +45,46 @@ impl<'a> BrickBuilder<'a> {
             grid,
             levels,
             texel_bytes: volume.voxels().voxel_type().bytes(),
+        })
+    }
+
+    /// Of one kind of light (0 red, 1 green, 2 blue) of the volume's colours, a byte a texel. Coarse levels and borders are
+    /// mixed as light where `decoded`, else as display values, which texels are.
+    ///
+    /// # Errors
+    /// As [`BrickBuilder::new`], and when the volume has no colours.
+    pub(crate) fn of_color(
+        volume: &'a Volume,
+        grid: &'a BlockGrid,
+        levels: &'a Levels,
+        kind: usize,
+        decoded: bool,
+    ) -> Result<Self> {
+        check(volume, grid, levels)?;
+        let Some(colors) = volume.colors() else {
+            return Err(Error::invalid("volume", "its voxels are no colours"));
+        };
+        fn bricks<'a, const KIND: usize, const DECODED: bool>(
+            colors: &'a [[u8; 4]],
+            grid: &'a BlockGrid,
+            levels: &'a Levels,
+        ) -> Box<dyn Write + 'a> {
+            let voxels: &[ColorChannel<KIND, DECODED>] = bytemuck::cast_slice(colors);
+            Box::new(Bricks::new(voxels, grid, levels))
+        }
+        let make = match (kind, decoded) {
+            (0, true) => bricks::<0, true>,
+            (1, true) => bricks::<1, true>,
+            (_, true) => bricks::<2, true>,
+            (0, false) => bricks::<0, false>,
+            (1, false) => bricks::<1, false>,
+            (_, false) => bricks::<2, false>,
+        };
+        Ok(Self {
+            bricks: make(colors, grid, levels),
+            grid,
+            levels,
+            texel_bytes: 1,
         })
     }
 
@@ -103,6 +134,16 @@ impl<'a> BrickBuilder<'a> {
                 .stored(block, level, &mut to[..brick_texels(level)]);
         }
     }
+}
+
+fn check(volume: &Volume, grid: &BlockGrid, levels: &Levels) -> Result<()> {
+    levels.check(grid)?;
+    if grid.size() == volume.size() {
+        return Ok(());
+    }
+    let (blocks, voxels) = (grid.size(), volume.size());
+    let message = format!("blocks of {blocks:?} voxels do not fit a volume of {voxels:?}");
+    Err(Error::invalid("blocks", message))
 }
 
 /// The voxel type erased.
@@ -215,11 +256,12 @@ impl<V: Voxel> Write for Bricks<'_, V> {
         } else if self.map.has_coarser_neighbor(block, level) {
             to.copy_from_slice(bytemuck::cast_slice(&self.resolved_finest(block)));
         } else {
-            let row_bytes = brick_extent(FINEST) as usize * size_of::<V>();
+            let texel_bytes = size_of::<V::Texel>();
+            let row_bytes = brick_extent(FINEST) as usize * texel_bytes;
             for (row, to) in self.finest_rows(block).zip(to.chunks_exact_mut(row_bytes)) {
-                let (own, rest) = to.split_at_mut(size_of_val(row));
+                let (own, rest) = to.split_at_mut(row.len() * texel_bytes);
                 V::write_row(row, own);
-                for texel in rest.chunks_exact_mut(size_of::<V>()) {
+                for texel in rest.chunks_exact_mut(texel_bytes) {
                     V::write_row(&row[row.len() - 1..], texel);
                 }
             }

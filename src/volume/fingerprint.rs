@@ -11,7 +11,7 @@ const CHUNK: usize = 1 << 16;
 
 impl Volume {
     /// SHA-256 (FIPS 180-4) of everything that a picture can depend on, as 64 hexadecimal digits: voxel type, size,
-    /// placement, rescale, voxels, and the labels beside them. Two files that decode to the same volume have the same fingerprint.
+    /// placement, rescale, voxels, and the colours and labels beside them. Two files that decode to the same volume have the same fingerprint.
     pub fn fingerprint(&self) -> String {
         let mut hash = Sha256::new();
         hash.update(self.voxels.voxel_type().name());
@@ -30,17 +30,25 @@ impl Volume {
             Voxels::I16(v) => update(&mut hash, v, i16::to_le_bytes),
             Voxels::F32(v) => update(&mut hash, v, f32::to_le_bytes),
         }
+        if let Some(colors) = &self.colors {
+            hash.update("colors");
+            hash.update(colors.as_flattened());
+        }
         if let Some(labels) = &self.labels {
             update_with_labels(&mut hash, labels);
         }
-        hash.finalize()
-            .iter()
-            .fold(String::new(), |mut text, byte| {
-                // Writing to a string does not fail.
-                let _ = write!(text, "{byte:02x}");
-                text
-            })
+        hexadecimal(hash)
     }
+}
+
+/// 64 digits.
+pub(crate) fn hexadecimal(hash: Sha256) -> String {
+    let digits = |mut text: String, byte: &u8| {
+        // Writing to a string does not fail.
+        let _ = write!(text, "{byte:02x}");
+        text
+    };
+    hash.finalize().iter().fold(String::new(), digits)
 }
 
 fn update_with_labels(hash: &mut Sha256, map: &LabelMap) {

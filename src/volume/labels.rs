@@ -1,6 +1,6 @@
 //! Label maps: a whole number at every voxel that names the segment it belongs to.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
@@ -30,6 +30,7 @@ pub struct LabelMap {
     size: [u32; 3],
     world_from_ix: DAffine3,
     labels: Vec<i32>,
+    names: BTreeMap<i32, String>,
 }
 
 impl LabelMap {
@@ -63,12 +64,18 @@ impl LabelMap {
             size: volume.size(),
             world_from_ix: volume.world_from_ix(),
             labels,
+            names: volume.metadata().label_names.clone(),
         })
     }
 
     /// Every label that there is: 0 first, there or not; then the others, ascending.
     pub fn labels(&self) -> &[i32] {
         &self.labels
+    }
+
+    /// What the file calls a label.
+    pub fn name(&self, label: i32) -> Option<&str> {
+        self.names.get(&label).map(String::as_str)
     }
 
     /// Where a label stands in [`LabelMap::labels`].

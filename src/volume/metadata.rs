@@ -1,5 +1,7 @@
 //! What a file says of its content, beyond voxels and placement.
 
+use std::collections::BTreeMap;
+
 /// What voxels measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
@@ -13,6 +15,10 @@ pub enum Content {
     Ultrasound,
     /// Light or electron microscopy.
     Microscopy,
+    /// A computed field: smoke, say.
+    Simulation,
+    /// Signed distances from a surface, negative inside.
+    LevelSet,
     /// Labels: each value names a segment.
     Labels,
 }
@@ -24,6 +30,8 @@ pub struct Metadata {
     pub content: Option<(Content, String)>,
     /// The file ties the axes of the world to a patient: left, posterior, superior.
     pub patient_axes: bool,
+    /// Names of labels.
+    pub label_names: BTreeMap<i32, String>,
 }
 
 impl Metadata {
@@ -32,7 +40,7 @@ impl Metadata {
         let known = names.iter().find(|(name, _)| *name == value);
         Self {
             content: known.map(|&(name, content)| (content, format!("{key} {name}"))),
-            patient_axes: false,
+            ..Self::default()
         }
     }
 

@@ -7,6 +7,7 @@
 pub mod blocks;
 pub mod bricks;
 pub mod cells;
+mod color;
 mod filter;
 mod fingerprint;
 mod labels;
@@ -18,6 +19,8 @@ mod summary;
 mod texel;
 mod thin;
 
+pub use color::linear_from_srgb;
+pub(crate) use fingerprint::hexadecimal;
 pub use labels::{LabelIndices, LabelMap, MAX_LABELS};
 pub use metadata::{Content, Metadata};
 pub use summary::{HISTOGRAM_BINS, Histogram, Percentiles, Summary};
@@ -164,6 +167,8 @@ pub struct Volume {
     non_finite: u64,
     metadata: Metadata,
     labels: Option<Arc<LabelMap>>,
+    /// Display colours of the voxels.
+    colors: Option<Vec<[u8; 4]>>,
 }
 
 impl Volume {
@@ -231,6 +236,7 @@ impl Volume {
             non_finite,
             metadata: Metadata::default(),
             labels: None,
+            colors: None,
         })
     }
 
@@ -266,6 +272,25 @@ impl Volume {
             map.check_overlap(&self)?;
         }
         Ok(Self { labels, ..self })
+    }
+
+    /// The same volume, with a display colour for each voxel: red, green, blue, and a byte that is not looked at; `None`:
+    /// without.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when there are not as many colours as voxels.
+    pub fn with_colors(self, colors: Option<Vec<[u8; 4]>>) -> Result<Self> {
+        let (have, want) = (colors.as_ref().map(Vec::len), self.voxels.len());
+        if have.is_some_and(|have| have != want) {
+            let message = format!("{} for {want} voxels", have.unwrap_or_default());
+            return Err(Error::invalid("volume colours", message));
+        }
+        Ok(Self { colors, ..self })
+    }
+
+    /// Display colours of the voxels, in their order, where the data have their own. The values still make the opacity.
+    pub fn colors(&self) -> Option<&[[u8; 4]]> {
+        self.colors.as_deref()
     }
 
     /// The segmentation beside it.

@@ -23,6 +23,8 @@ pub struct Summary {
     /// Voxel type (`u8`, `i8`, `u16`, `i16`, `f32`).
     #[serde(rename = "type")]
     pub voxel_type: &'static str,
+    /// Whether voxels have display colours, of 8 bits, beside these numbers.
+    pub colors: bool,
     /// Distance between neighbouring voxels on each axis, mm.
     pub spacing: [f64; 3],
     /// World position of voxel (0,0,0), mm.
@@ -90,6 +92,7 @@ impl Summary {
         Self {
             size: volume.size(),
             voxel_type: volume.voxels().voxel_type().name(),
+            colors: volume.colors().is_some(),
             spacing: volume.spacing(),
             origin: placement.translation.to_array(),
             directions: directions.to_cols_array_2d(),

@@ -23,7 +23,9 @@ impl Volume {
         let mut placement = self.world_from_ix;
         placement.matrix3 *= DMat3::from_diagonal(DVec3::from_array(every.map(f64::from)));
         let thinned = Self::new(voxels, size, placement, self.rescale)?;
+        let colors = self.colors.as_ref().map(|v| self.pick(v, size, every));
         thinned
+            .with_colors(colors)?
             .with_metadata(self.metadata.clone())
             .with_labels(self.labels.clone())
     }

@@ -278,3 +278,24 @@ fn bytes_depend_on_scene_and_data_alone() {
     };
     assert!(layers("a.exr") == layers("ample.exr"));
 }
+
+#[test]
+fn another_transfer_function_is_said() {
+    let place = Workplace::new();
+    let points = |opacity: f64| {
+        let point = |value: f64, opacity: f64| json!({ "value": value, "color": [1, 1, 1], "opacity": opacity });
+        json!({ "unit_distance": 1, "points": [point(0.0, 0.0), point(200.0, opacity)] })
+            .to_string()
+    };
+    fs::write(place.path("tf.json"), points(0.2)).unwrap();
+    let set = "transfer_function={\"file\":\"tf.json\"}";
+    place.succeed(&["render", "scene.json", "--set", set, "-o", "a.png"]);
+    let again = ["render", "--reproduce", "a.png", "-o", "b.png"];
+    assert_eq!(place.run(&again).stderr, "");
+    assert!(bytes(&place, "a.png") == bytes(&place, "b.png"));
+    fs::write(place.path("tf.json"), points(0.7)).unwrap();
+    let said = place.run(&again).stderr;
+    let start = "warning: not as it was recorded: transfer function: was ";
+    assert!(said.starts_with(start), "{said}");
+    assert!(bytes(&place, "a.png") != bytes(&place, "b.png"));
+}

@@ -13,6 +13,7 @@ use umbravox::scene::{
 use umbravox::volume::Volume;
 
 mod classification_scenes;
+mod color_scenes;
 mod fields;
 mod geometry_scenes;
 mod label_scenes;
@@ -37,6 +38,7 @@ pub(crate) fn all() -> Vec<TestScene> {
     scenes.extend(classification_scenes::scenes());
     scenes.extend(projection_scenes::scenes());
     scenes.extend(label_scenes::scenes());
+    scenes.extend(color_scenes::scenes());
     scenes
 }
 

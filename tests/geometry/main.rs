@@ -73,7 +73,7 @@ fn value_at(volume: &Volume, world: [f64; 3]) -> Option<f64> {
 #[test]
 fn every_file_answers_alike_at_points_of_the_world() {
     let geometry = geometry();
-    assert!(geometry.files.len() > 120, "{}", geometry.files.len());
+    assert!(geometry.files.len() > 150, "{}", geometry.files.len());
     let mut worst = BTreeMap::<&str, f64>::new();
     let mut complaints = Vec::new();
     for file in &geometry.files {

@@ -3,6 +3,7 @@
 
 mod analytic;
 mod bits;
+mod colors;
 #[path = "../common/fields.rs"]
 mod fields;
 mod labels;

@@ -2,8 +2,10 @@
 
 #[cfg(feature = "formats")]
 mod chunked;
+mod colors;
 #[cfg(feature = "formats")]
 mod independent;
+mod metadata;
 mod metaimage;
 mod nifti;
 mod nrrd;

@@ -94,6 +94,7 @@ impl Tracer {
             surfaces: &self.surfaces,
             lighting: &self.lighting,
             light: self.light.as_ref(),
+            data_color: None,
             labels: None,
             depth_threshold: self.depth_threshold,
             jitter: None,

@@ -215,6 +215,7 @@ fn pixels_are_where_the_view_says() {
         surfaces: &[],
         lighting: &Lighting::default(),
         light: None,
+        data_color: None,
         labels: None,
         depth_threshold: 0.05,
         jitter: Some(&|[x, _]| if x == 3 { 0.5 } else { 0.0 }),

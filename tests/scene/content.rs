@@ -43,6 +43,8 @@ fn files_have_the_first_word() {
         (Content::Mr, Modality::Mr),
         (Content::Labels, Modality::Labels),
         (Content::Microscopy, Modality::Microscopy),
+        (Content::Simulation, Modality::Simulation),
+        (Content::LevelSet, Modality::LevelSet),
         (Content::Nuclear, Modality::Nuclear),
         (Content::Ultrasound, Modality::Ultrasound),
         // CT that is not in Hounsfield units.
@@ -50,7 +52,7 @@ fn files_have_the_first_word() {
     ] {
         let metadata = Metadata {
             content: Some((content, "Key VALUE".into())),
-            patient_axes: false,
+            ..Metadata::default()
         };
         let guess = Guess::of(&ball().with_metadata(metadata));
         assert_eq!(guess.modality, expected);
@@ -77,6 +79,7 @@ fn values_tell_the_rest() {
     let patient = Metadata {
         content: None,
         patient_axes: true,
+        ..Metadata::default()
     };
     assert_eq!(modality(&head.clone().with_metadata(patient)), Modality::Mr);
     assert_ne!(modality(&head), Modality::Mr, "axes of no patient");
@@ -205,4 +208,20 @@ fn thinned_volumes_stay_where_they_were() {
         ];
         assert!(ours.distance(theirs) < 1e-12);
     }
+}
+
+/// Whatever their luminance looks like.
+#[test]
+fn colors_are_colors() {
+    let volume = Volume::axis_aligned(Voxels::U8(vec![0, 1, 2, 3, 1, 1, 2, 2]), [2; 3], [1.0; 3]);
+    let colors = vec![[9, 8, 7, 255]; 8];
+    let volume = volume.unwrap().with_colors(Some(colors)).unwrap();
+    let guess = Guess::of(&volume);
+    assert_eq!((guess.modality, guess.preset), (Modality::Color, "colors"));
+    let clone = volume.clone().with_colors(Some(vec![[0; 4]; 7]));
+    assert!(clone.is_err(), "one colour is missing");
+    assert_ne!(
+        volume.fingerprint(),
+        volume.clone().with_colors(None).unwrap().fingerprint()
+    );
 }

@@ -56,7 +56,7 @@ fn unknown_keys_name_the_nearest_valid_one() {
 fn missing_keys_say_what_to_give() {
     assert_eq!(
         error(parse("{}")),
-        "volume: missing; give an object with channel, labels, level, path, procedural, raw, series, strict, timestep"
+        "volume: missing; give an object with channel, color, labels, level, path, procedural, raw, series, strict, timestep"
     );
     assert_eq!(
         message(json!({ "camera": { "eye": [0, 0, 0] } })),
@@ -149,8 +149,8 @@ fn names_that_this_version_lacks_are_refused() {
         (
             json!({ "transfer_function": { "preset": "ct_bone" } }),
             "transfer_function.preset: \"ct_bone\" is not available; did you mean \"ct-bone\"? \
-             This version has boundaries, ct-angio, ct-bone, ct-lung, ct-muscle-and-skin, ct-soft-tissue, labels, \
-             micro-ct, microscopy, mr-angio, mr-default, simulation",
+             This version has boundaries, colors, ct-angio, ct-bone, ct-lung, ct-muscle-and-skin, ct-soft-tissue, labels, \
+             level-set, micro-ct, microscopy, mr-angio, mr-default, simulation",
         ),
     ] {
         assert_eq!(message(parts), expected);
@@ -400,7 +400,7 @@ fn labels_say_what_is_valid() {
         ),
         (
             json!({ "path": "a", "shown": [1] }),
-            "volume.labels.shown: unknown key; did you mean \"show\"? Valid here: colors, hide, path, show, tint",
+            "volume.labels.shown: unknown key; did you mean \"show\"? Valid here: channel, colors, hide, path, series, show, tint",
         ),
         (
             json!({ "path": "a", "show": [0.5] }),
@@ -429,4 +429,37 @@ fn labels_say_what_is_valid() {
     ] {
         assert_eq!(labels(value), expected);
     }
+}
+
+#[test]
+fn colors_of_the_data() {
+    let colors = |more: Value, color: &str| {
+        let mut scene = json!({ "volume": { "path": "x", "color": color } });
+        for (key, value) in more.as_object().unwrap() {
+            scene[key] = value.clone();
+        }
+        parse(&scene.to_string())
+    };
+    for projection in ["maximum", "minimum", "mean", "xray", "isosurface"] {
+        let mut march = json!({ "march": { "projection": projection } });
+        if projection == "isosurface" {
+            march["march"]["isosurfaces"] = json!([{ "value": 1 }]);
+        }
+        assert!(colors(march.clone(), "transfer_function").is_ok());
+        assert_eq!(
+            error(colors(march, "data")),
+            "volume.color: \"data\" needs the projection \"composite\", others draw values and surfaces; give \
+             \"transfer_function\""
+        );
+    }
+    assert_eq!(
+        error(parse(
+            r#"{"volume":{"path":"x","color":"data","channel":1}}"#
+        )),
+        "volume.color: \"data\" draws all channels as colours, volume.channel reads one of them; give one of the two"
+    );
+    assert_eq!(
+        error(colors(json!({}), "datum")),
+        "volume.color: \"datum\" is not available; this version has \"data\", \"transfer_function\""
+    );
 }

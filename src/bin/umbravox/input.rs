@@ -63,7 +63,7 @@ pub(crate) fn read_volume(scene: &Scene) -> Result<Arc<Volume>> {
     bar.finish_and_clear();
     let labels = scene.volume.labels.as_ref();
     let labels = labels
-        .map(|labels| io::read_labels(&labels.path, &ReadOptions::default()).map(Arc::new))
+        .map(|labels| io::read_labels(&labels.path, &ReadOptions::from(labels)).map(Arc::new))
         .transpose();
     Ok(Arc::new(volume?.with_labels(labels?)?))
 }

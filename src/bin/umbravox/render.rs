@@ -127,6 +127,9 @@ impl Job {
                 let is_file = scene.volume.procedural.is_none();
                 let volume = is_file.then_some(&mut scene.volume.path);
                 let files = volume.into_iter().chain(labels);
+                let map = scene.lighting.environment.iter_mut();
+                let map = map.filter_map(|environment| environment.path.as_mut());
+                let files = files.chain(map).chain(&mut scene.image.background_image);
                 for path in files.chain(&mut scene.transfer_function.file) {
                     *path = std::path::absolute(&*path).map_err(|e| Error::io(&*path, e))?;
                 }

@@ -14,11 +14,10 @@ use dicom_transfer_syntax_registry::TransferSyntaxRegistry;
 use flate2::read::DeflateDecoder;
 
 use super::super::Limits;
-use super::super::bundle::Member;
 use super::super::source::{bad, read_error};
 use super::PREAMBLE;
 use super::frame::{PIXEL_DATA, chain};
-use super::prefix;
+use super::prefix::Start;
 use crate::error::Result;
 
 /// Sequences inside sequences. Structured reports, the deepest objects there are, stay below 20.
@@ -62,20 +61,20 @@ pub(super) struct NativePixels {
 /// transfer syntax. Finds the pixels, where they are neither coded nor deflated.
 pub(super) fn check(
     path: &Path,
-    member: &Member,
+    file: &Start<'_>,
     until: Until,
     limits: &Limits,
 ) -> Result<Option<NativePixels>> {
     let damaged = |what: String| bad(path, format!("the DICOM object is damaged: {what}"));
-    let len = member.len();
+    let len = file.member().len();
     let mut head = Vec::new();
-    let mut start = prefix::open(member)?.take(MAX_META_BYTES as u64);
+    let mut start = file.stream().take(MAX_META_BYTES as u64);
     start
         .read_to_end(&mut head)
         .map_err(|e| read_error(path, e))?;
     check_meta(&head, len).map_err(damaged)?;
 
-    let mut stream = prefix::open(member)?;
+    let mut stream = file.stream();
     let missing = stream.missing();
     let preamble = PREAMBLE.0 as u64;
     io::copy(&mut stream.by_ref().take(preamble), &mut io::sink())

@@ -11,7 +11,8 @@ use super::super::bundle::Member;
 use super::super::source::bad;
 use super::attributes::{Attributes, directions};
 use super::claims::{self, NativePixels, Until};
-use super::{prefix, quoted};
+use super::prefix::Start;
+use super::quoted;
 use crate::error::Result;
 use crate::volume::Rescale;
 
@@ -112,13 +113,13 @@ pub(super) struct PixelFormat {
 pub(super) fn frames(
     path: &Path,
     member_index: usize,
-    member: &Member,
+    file: &Start<'_>,
     limits: &Limits,
 ) -> Result<Vec<Frame>> {
-    let native = claims::check(path, member, Until::Pixels, limits)?;
+    let native = claims::check(path, file, Until::Pixels, limits)?;
     let object = OpenFileOptions::new()
         .read_until(PIXEL_DATA)
-        .from_reader(prefix::open(member)?)
+        .from_reader(file.stream())
         .map_err(|e| bad(path, format!("the DICOM header is damaged: {}", chain(&e))))?;
     let attributes = Attributes::of(&object);
     let (Some(rows), Some(columns)) = (attributes.whole(ROWS), attributes.whole(COLUMNS)) else {
@@ -143,7 +144,7 @@ pub(super) fn frames(
             .fold(1u64, |n, &m| n.saturating_mul(m)),
         None => count.saturating_mul(8),
     };
-    let have = native.map_or(member.len(), |pixels| pixels.bytes);
+    let have = native.map_or(file.member().len(), |pixels| pixels.bytes);
     if count > 1 && have < least {
         return Err(bad(
             path,
@@ -294,10 +295,13 @@ fn pixel_format(path: &Path, attributes: &Attributes<'_>) -> Result<PixelFormat>
 
 /// Opens an object up to its pixels, them included.
 pub(super) fn open(path: &Path, member: &Member, limits: &Limits) -> Result<DefaultDicomObject> {
-    claims::check(path, member, Until::PixelsEnd, limits)?;
+    let Some(file) = Start::of(member) else {
+        return Err(bad(path, "this is no DICOM file any more".into()));
+    };
+    claims::check(path, &file, Until::PixelsEnd, limits)?;
     OpenFileOptions::new()
         .read_to(PIXEL_DATA)
-        .from_reader(prefix::open(member)?)
+        .from_reader(file.stream())
         .map_err(|e| bad(path, format!("the DICOM object is damaged: {}", chain(&e))))
 }
 

@@ -17,7 +17,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use self::frame::Frame;
-use self::prefix::Prefix;
+use self::prefix::{Prefix, Start};
 use self::series::Series;
 use super::bundle::{Bundle, Member};
 use super::element::Element;
@@ -53,7 +53,13 @@ fn is_dicom(head: &[u8]) -> bool {
 }
 
 fn is_dicom_member(member: &Member) -> bool {
-    Prefix::of_member(member).is_some() && member.name().rsplit('/').next() != Some(DIRECTORY_NAME)
+    start_of(member).is_some()
+}
+
+/// Of files that hold objects; not of their directory.
+fn start_of(member: &Member) -> Option<Start<'_>> {
+    let is_directory = member.name().rsplit('/').next() == Some(DIRECTORY_NAME);
+    Start::of(member).filter(|_| !is_directory)
 }
 
 /// The series that one file belongs to, from the files beside it.
@@ -67,7 +73,8 @@ fn read_series_of(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
     let member = asked
         .and_then(|i| beside.members().get(i))
         .ok_or_else(|| bad(path, "this file is not in the listing of its folder".into()))?;
-    let own = frame::frames(path, 0, member, &options.limits)?;
+    let start = Start::of(member).ok_or_else(|| bad(path, "this is no DICOM file".into()))?;
+    let own = frame::frames(path, 0, &start, &options.limits)?;
     let Some(first) = own.first() else {
         return Err(bad(path, "this DICOM object holds no picture".into()));
     };
@@ -96,10 +103,10 @@ fn frames_of(bundle: &Bundle, options: &ReadOptions<'_>) -> Result<Vec<Frame>> {
         .members()
         .par_iter()
         .enumerate()
-        .filter(|(_, member)| is_dicom_member(member))
-        .map(|(i, member)| {
+        .filter_map(|(i, member)| {
+            let start = start_of(member)?;
             let path = bundle.path_of(member);
-            frame::frames(&path, i, member, &limits)
+            Some(frame::frames(&path, i, &start, &limits))
         })
         .collect();
     let mut frames = Vec::new();

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::super::bundle::{Bundle, Member};
 use super::super::components::{LUMA, Pick};
+use super::super::decoded::Decoded;
 use super::super::jpeg_size::claim_of;
 use super::super::payload::zeroed;
 use super::super::source::bad;
@@ -116,29 +117,38 @@ pub(super) fn decode(
     encoding: &Encoding,
     grid: Grid,
     options: &ReadOptions<'_>,
-) -> Result<Voxels> {
+) -> Result<Decoded> {
     let samples = frames
         .first()
         .map_or(1, |frame| frame.format.samples as usize);
+    let element = encoding.element;
+    let pick = Pick::of(bundle.path(), samples, samples > 1, element, options)?;
     let decoder = Decoder {
         bundle,
         frames,
         grid,
         limits: options.limits,
         as_stored: !encoding.apply,
-        pick: Pick::of(bundle.path(), samples, samples > 1, options.channel)?,
+        pick,
     };
     let progress = options.progress;
     let whole = |value: i64, _: Rescale| value;
     let rescaled = |value: i64, r: Rescale| r.slope * value as f64 + r.intercept;
-    Ok(match (encoding.element, encoding.apply) {
-        (Element::U8, _) => Voxels::U8(decoder.run(|v, r| whole(v, r) as u8, progress)?),
-        (Element::I8, _) => Voxels::I8(decoder.run(|v, r| whole(v, r) as i8, progress)?),
-        (Element::U16, _) => Voxels::U16(decoder.run(|v, r| whole(v, r) as u16, progress)?),
-        (Element::I16, false) => Voxels::I16(decoder.run(|v, r| whole(v, r) as i16, progress)?),
-        (Element::I16, true) => Voxels::I16(decoder.run(|v, r| rescaled(v, r) as i16, progress)?),
-        _ => Voxels::F32(decoder.run(|v, r| rescaled(v, r) as f32, progress)?),
-    })
+    Ok(Decoded::Numbers(match (element, encoding.apply) {
+        (Element::U8, false) if pick == Pick::Color => {
+            let gray = |v: i64, _: Rescale| [v as u8, v as u8, v as u8, u8::MAX];
+            let color = |color: Color, _: Rescale| color.rgba();
+            return Ok(Decoded::Colors(decoder.run(gray, color, progress)?));
+        }
+        (Element::U8, _) => Voxels::U8(decoder.numbers(|v, r| whole(v, r) as u8, progress)?),
+        (Element::I8, _) => Voxels::I8(decoder.numbers(|v, r| whole(v, r) as i8, progress)?),
+        (Element::U16, _) => Voxels::U16(decoder.numbers(|v, r| whole(v, r) as u16, progress)?),
+        (Element::I16, false) => Voxels::I16(decoder.numbers(|v, r| whole(v, r) as i16, progress)?),
+        (Element::I16, true) => {
+            Voxels::I16(decoder.numbers(|v, r| rescaled(v, r) as i16, progress)?)
+        }
+        _ => Voxels::F32(decoder.numbers(|v, r| rescaled(v, r) as f32, progress)?),
+    }))
 }
 
 struct Decoder<'a> {
@@ -151,12 +161,30 @@ struct Decoder<'a> {
     pick: Pick,
 }
 
+/// How pixels of one sample and colours become voxels.
+struct Convert<G, C> {
+    gray: G,
+    color: C,
+}
+
 impl Decoder<'_> {
-    fn run<T: Pod + Send + Sync>(
+    /// Of colours the number that is picked.
+    fn numbers<T: Pod + Send + Sync>(
         &self,
         convert: impl Fn(i64, Rescale) -> T + Send + Sync,
         progress: Option<&dyn Fn(u64, u64)>,
     ) -> Result<Vec<T>> {
+        let picked = |color: Color, rescale| convert(color.number(self.pick), rescale);
+        self.run(&convert, picked, progress)
+    }
+
+    fn run<T: Pod + Send + Sync>(
+        &self,
+        gray: impl Fn(i64, Rescale) -> T + Send + Sync,
+        color: impl Fn(Color, Rescale) -> T + Send + Sync,
+        progress: Option<&dyn Fn(u64, u64)>,
+    ) -> Result<Vec<T>> {
+        let convert = Convert { gray, color };
         let mut voxels = zeroed(self.grid.voxels)?;
         let slice = self.grid.voxels / self.frames.len().max(1);
         // Frames of one file are decoded together, so that it is opened once.
@@ -180,7 +208,7 @@ impl Decoder<'_> {
         &self,
         member: usize,
         frames: Vec<(&Frame, &mut [T])>,
-        convert: &(impl Fn(i64, Rescale) -> T + Sync),
+        convert: &Convert<impl Fn(i64, Rescale) -> T + Sync, impl Fn(Color, Rescale) -> T + Sync>,
     ) -> Result<()> {
         let Some(member) = self.bundle.members().get(member) else {
             return Err(bad(self.bundle.path(), "a file is gone".into()));
@@ -189,13 +217,13 @@ impl Decoder<'_> {
         let native = frames.first().and_then(|(frame, _)| frame.native_pixels());
         if let Some(native) = native {
             return frames.into_par_iter().try_for_each(|(frame, out)| {
-                self.native_frame(&path, member, native, frame, out, convert)
+                self.native_frame(&path, member, native, frame, out, &convert.gray)
             });
         }
         let object = frame::open(&path, member, &self.limits)?;
-        frames.into_par_iter().try_for_each(|(frame, out)| {
-            decode_frame(&path, &object, frame, self.pick, out, convert)
-        })
+        frames
+            .into_par_iter()
+            .try_for_each(|(frame, out)| decode_frame(&path, &object, frame, out, convert))
     }
 
     /// Uncompressed pixels, from the file straight to their place where nothing is to be converted.
@@ -232,9 +260,8 @@ fn decode_frame<T>(
     path: &Path,
     object: &DefaultDicomObject,
     frame: &Frame,
-    pick: Pick,
     out: &mut [T],
-    convert: &impl Fn(i64, Rescale) -> T,
+    convert: &Convert<impl Fn(i64, Rescale) -> T, impl Fn(Color, Rescale) -> T>,
 ) -> Result<()> {
     let format = frame.format;
     let [bytes_per_sample, samples] = [format.bytes(), format.samples as usize];
@@ -262,7 +289,7 @@ fn decode_frame<T>(
     };
     check_whole(path, frame, pixels.len(), wanted)?;
     if samples == 1 {
-        convert_pixels(pixels, false, frame, out, convert);
+        convert_pixels(pixels, false, frame, out, &convert.gray);
         return Ok(());
     }
     let value = |bytes: &[u8]| {
@@ -285,24 +312,65 @@ fn decode_frame<T>(
     };
     // JPEG and JPEG 2000 decoders give red, green and blue.
     let run_length = object.meta().transfer_syntax() == RLE_LOSSLESS;
-    let pick = match pick {
-        Pick::Luma if format.brightness_first && (!coded || run_length) => Pick::Component(0),
-        other => other,
-    };
+    let brightness_first = format.brightness_first && (!coded || run_length);
     for (i, out) in out.iter_mut().enumerate() {
-        let value = match pick {
-            Pick::Component(kind) => sample(i, kind),
-            Pick::Luma => {
-                let shares = LUMA.iter().enumerate();
-                let luma: f32 = shares
-                    .map(|(kind, share)| share * sample(i, kind) as f32)
-                    .sum();
-                luma.round() as i64
-            }
+        let color = Color {
+            samples: [0, 1, 2].map(|kind| sample(i, kind)),
+            brightness_first,
+            is_wide: bytes_per_sample > 1,
         };
-        *out = convert(value, frame.rescale);
+        *out = (convert.color)(color, frame.rescale);
     }
     Ok(())
+}
+
+/// Three samples of a pixel.
+struct Color {
+    samples: [i64; 3],
+    /// Y, CB and CR instead of red, green and blue.
+    brightness_first: bool,
+    /// Of more than 8 bits.
+    is_wide: bool,
+}
+
+fn luma(rgb: [f32; 3]) -> i64 {
+    let shares = LUMA.iter().zip(rgb);
+    let luma: f32 = shares.map(|(share, sample)| share * sample).sum();
+    luma.round() as i64
+}
+
+impl Color {
+    fn number(&self, pick: Pick) -> i64 {
+        match pick {
+            Pick::Component(kind) => self.samples.get(kind).copied().unwrap_or_default(),
+            Pick::Luma | Pick::Color if self.brightness_first && !self.is_wide => {
+                let [r, g, b, _] = self.rgba();
+                luma([r, g, b].map(f32::from))
+            }
+            Pick::Luma | Pick::Color if self.brightness_first => {
+                let [y, ..] = self.samples;
+                y
+            }
+            Pick::Luma | Pick::Color => luma(self.samples.map(|sample| sample as f32)),
+        }
+    }
+
+    /// Of samples of 8 bits. `YBR_FULL` to RGB: PS3.3, C.7.6.3.1.2.
+    fn rgba(&self) -> [u8; 4] {
+        let [a, b, c] = self.samples.map(|sample| sample as f32);
+        let rgb = if self.brightness_first {
+            let (blue, red) = (b - 128.0, c - 128.0);
+            [
+                a + 1.402 * red,
+                a - 0.344_136 * blue - 0.714_136 * red,
+                a + 1.772 * blue,
+            ]
+        } else {
+            [a, b, c]
+        };
+        let [r, g, b] = rgb.map(|channel| channel.round() as u8);
+        [r, g, b, u8::MAX]
+    }
 }
 
 fn check_whole(path: &Path, frame: &Frame, have: usize, wanted: usize) -> Result<()> {

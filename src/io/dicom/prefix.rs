@@ -6,11 +6,10 @@
 use std::io::{self, Chain, Cursor, Read, Seek, SeekFrom};
 
 use super::PREAMBLE;
-use crate::error::Result;
 use crate::io::bundle::Member;
 
-/// Bytes that are looked at.
-const HEAD_BYTES: usize = 512;
+/// What is read of a file at once: most headers end before.
+const START_BYTES: usize = 1 << 14;
 /// Elements of the identifying group that must follow each other.
 const LEAST_ELEMENTS: usize = 3;
 
@@ -40,10 +39,6 @@ impl Prefix {
             .into_iter()
             .find(|&explicit| identifies(head, explicit))
             .map(|explicit| Self::None { explicit })
-    }
-
-    pub(super) fn of_member(member: &Member) -> Option<Self> {
-        Self::of(&member.head(HEAD_BYTES))
     }
 
     /// What is missing in front.
@@ -97,19 +92,66 @@ fn identifies(head: &[u8], explicit: bool) -> bool {
     true
 }
 
-/// The file from its preamble on, whether that is there or not.
-pub(super) fn open(member: &Member) -> Result<Prefixed<'_>> {
-    let missing = Prefix::of_member(member).unwrap_or(Prefix::Whole).missing();
-    Ok(Prefixed {
-        missing: missing.len() as u64,
-        stream: Cursor::new(missing).chain(member.open()?),
-        position: 0,
-    })
+/// How a DICOM file begins. It is read once, and looked at as often as need be.
+pub(super) struct Start<'a> {
+    member: &'a Member,
+    bytes: Vec<u8>,
+    prefix: Prefix,
+}
+
+impl<'a> Start<'a> {
+    /// `None` of what is no DICOM file.
+    pub(super) fn of(member: &'a Member) -> Option<Self> {
+        let bytes = member.head(START_BYTES);
+        let prefix = Prefix::of(&bytes)?;
+        Some(Self {
+            member,
+            bytes,
+            prefix,
+        })
+    }
+
+    pub(super) fn member(&self) -> &'a Member {
+        self.member
+    }
+
+    /// The file from its preamble on, whether that is there or not.
+    pub(super) fn stream(&self) -> Prefixed<'_> {
+        let missing = self.prefix.missing();
+        let rest = Rest {
+            member: self.member,
+            skip: self.bytes.len() as u64,
+            file: None,
+        };
+        Prefixed {
+            missing: missing.len() as u64,
+            stream: Cursor::new(missing).chain(&self.bytes[..]).chain(rest),
+            position: 0,
+        }
+    }
+}
+
+/// A file after its start, opened when something of it is wanted.
+struct Rest<'a> {
+    member: &'a Member,
+    skip: u64,
+    file: Option<Box<dyn Read + 'a>>,
+}
+
+impl Read for Rest<'_> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        if let Some(file) = &mut self.file {
+            return file.read(out);
+        }
+        let mut file = self.member.open().map_err(io::Error::other)?;
+        io::copy(&mut file.by_ref().take(self.skip), &mut io::sink())?;
+        self.file.insert(file).read(out)
+    }
 }
 
 /// A file with what was missing in front of it.
 pub(super) struct Prefixed<'a> {
-    stream: Chain<Cursor<Vec<u8>>, Box<dyn Read + 'a>>,
+    stream: Chain<Chain<Cursor<Vec<u8>>, &'a [u8]>, Rest<'a>>,
     position: u64,
     missing: u64,
 }

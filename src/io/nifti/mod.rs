@@ -44,7 +44,7 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
     let header = Header::parse(path, &plain)?;
     let (element, count) = header.element()?;
     let colour = element == Element::U8;
-    let components = Components::of(path, count, element, colour, options.channel)?;
+    let components = Components::of(path, count, element, colour, options)?;
     let grid = Grid::new(path, "dim", &header.axes()?, element, options)?;
     let world_from_ix = placement::world_from_ix(&header)?;
     let rescale = rescale(&header)?;

@@ -70,13 +70,18 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("centerings", "centers"),
 ];
 
+/// Ends of the keys by which 3D Slicer lists the segments of a label map: `Segment0_LabelValue:=1`.
+const SEGMENT_KEYS: [&str; 2] = ["_LabelValue", "_Name"];
+/// Longest name of a segment that is kept.
+const MAX_NAME_CHARS: usize = 80;
+
 /// Fields by name. Comments and key/value pairs say nothing about the grid and are left out.
 pub(super) struct Header {
     path: PathBuf,
     fields: BTreeMap<&'static str, String>,
     dimension: usize,
-    /// Key of a key/value pair that only segmentations have.
-    segment_key: Option<String>,
+    /// Key/value pairs of 3D Slicer's segments.
+    segments: BTreeMap<String, String>,
 }
 
 impl Header {
@@ -86,7 +91,7 @@ impl Header {
             path: source.path().to_path_buf(),
             fields: BTreeMap::new(),
             dimension: 0,
-            segment_key: None,
+            segments: BTreeMap::new(),
         };
         let mut budget = max_bytes;
         let magic = source.line(&mut budget)?.unwrap_or_default();
@@ -134,10 +139,11 @@ impl Header {
                 "line {line:?} is neither a field nor a key/value pair"
             )));
         };
-        if pair.is_some_and(|at| at <= name.len()) {
-            // 3D Slicer lists the segments of a label map in pairs of these names.
-            if name.starts_with("Segment") && name.ends_with("_LabelValue") {
-                self.segment_key = Some(name.to_owned());
+        if let Some(at) = pair.filter(|&at| at <= name.len()) {
+            let (key, value) = line.split_at(at);
+            if SEGMENT_KEYS.iter().any(|end| key.ends_with(end)) && key.starts_with("Segment") {
+                let value = value.strip_prefix(":=").unwrap_or_default();
+                self.segments.insert(key.to_owned(), value.to_owned());
             }
             return Ok(());
         }
@@ -175,11 +181,20 @@ impl Header {
     pub(super) fn metadata(&self) -> Metadata {
         let anatomical = ["superior", "RAS", "LAS", "LPS"];
         let space = self.get("space").unwrap_or_default();
+        let [value_end, name_end] = SEGMENT_KEYS;
+        let mut labels = self.segments.iter().filter_map(|(key, value)| {
+            let segment = key.strip_suffix(value_end)?;
+            Some((key, segment, value.trim().parse().ok()?))
+        });
+        let names = labels.clone().filter_map(|(_, segment, label)| {
+            let name = self.segments.get(&format!("{segment}{name_end}"))?;
+            Some((label, name.trim().chars().take(MAX_NAME_CHARS).collect()))
+        });
         Metadata {
-            content: self
-                .segment_key
-                .as_ref()
-                .map(|key| (Content::Labels, format!("NRRD key {key}"))),
+            label_names: names.collect(),
+            content: labels
+                .next()
+                .map(|(key, ..)| (Content::Labels, format!("NRRD key {key}"))),
             patient_axes: anatomical.iter().any(|name| space.contains(name)),
         }
     }

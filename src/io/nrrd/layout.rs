@@ -96,13 +96,7 @@ impl Layout {
             )));
         }
         let components = match inner {
-            &[count] => Components::of(
-                path,
-                count,
-                element,
-                kind(0) == Kind::Colour,
-                options.channel,
-            )?,
+            &[count] => Components::of(path, count, element, kind(0) == Kind::Colour, options)?,
             _ => Components::ONE,
         };
         let planes = first + 3;
@@ -117,7 +111,7 @@ impl Layout {
         }
         // Whole volumes of one component after the other.
         let count = sizes.last().copied().unwrap_or(1) as usize;
-        let Pick::Component(channel) = Pick::of(path, count, false, options.channel)? else {
+        let Pick::Component(channel) = Pick::of(path, count, false, element, options)? else {
             return Err(header.bad("kinds: colours that lie apart have no luminance"));
         };
         let options = ReadOptions {

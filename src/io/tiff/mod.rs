@@ -110,6 +110,7 @@ fn read_pages(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
     };
     let picked = ReadOptions {
         channel,
+        color: options.color,
         limits,
         progress: options.progress,
         ..ReadOptions::default()
@@ -126,7 +127,7 @@ fn read_pages(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
         .then(|| (Content::Microscopy, "OME-XML".into()));
     Ok(volume.with_metadata(Metadata {
         content,
-        patient_axes: false,
+        ..Metadata::default()
     }))
 }
 

@@ -90,8 +90,8 @@ pub(super) fn descriptors(bytes: &mut Bytes<'_>) -> Result<Vec<Descriptor>> {
 }
 
 impl Descriptor {
-    /// How values are packed, and the bytes from the transform on.
-    pub(super) fn open<'a>(&self, file: &Bytes<'a>) -> Result<(Packing, Bytes<'a>)> {
+    /// How values are packed, the class of the grid, and the bytes from the transform on.
+    pub(super) fn open<'a>(&self, file: &Bytes<'a>) -> Result<(Packing, &'a [u8], Bytes<'a>)> {
         if !self.instance_of.is_empty() {
             return Err(bad(
                 file.path(),
@@ -107,26 +107,34 @@ impl Descriptor {
             return Err(bytes.bad(format!("compression flags {flags:#x} are not known")));
         }
         let has = |flag| flags & flag != 0;
-        skip_metadata(&mut bytes)?;
+        let class = class_of(&mut bytes)?;
         let packing = Packing {
             zip: has(ZIP),
             blosc: has(BLOSC),
             active_mask: has(ACTIVE_MASK),
             half: self.half,
         };
-        Ok((packing, bytes))
+        Ok((packing, class, bytes))
     }
 }
 
-/// Name, type, size and value of each entry.
 fn skip_metadata(bytes: &mut Bytes<'_>) -> Result<()> {
+    class_of(bytes).map(|_| ())
+}
+
+/// Passes over metadata: name, type, size and value of each entry. Gives back the value of `class`; empty without one.
+fn class_of<'a>(bytes: &mut Bytes<'a>) -> Result<&'a [u8]> {
+    let mut class = &[][..];
     for _ in 0..bytes.number::<u32>()? {
-        bytes.text()?;
+        let name = bytes.text()?;
         bytes.text()?;
         let size = bytes.number::<u32>()?;
-        bytes.take(size as usize)?;
+        let value = bytes.take(size as usize)?;
+        if name == "class" {
+            class = value;
+        }
     }
-    Ok(())
+    Ok(class)
 }
 
 /// The grid asked for: by name (`volume.series`) or place (`volume.channel`), else the first that `is_read`.

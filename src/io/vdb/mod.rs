@@ -23,7 +23,7 @@ use super::narrow::narrowed;
 use super::source::bad;
 use super::{Format, ReadOptions, bundle, grid};
 use crate::error::Result;
-use crate::volume::{Rescale, Volume, Voxels};
+use crate::volume::{Content, Metadata, Rescale, Volume, Voxels};
 
 pub(super) const FORMAT: Format = Format {
     name: "OpenVDB",
@@ -42,6 +42,12 @@ const TYPES: &[(&str, Element)] = &[
     ("Tree_double_5_4_3", Element::F64),
     ("Tree_int32_5_4_3", Element::I32),
     ("Tree_int64_5_4_3", Element::I64),
+];
+
+/// What a grid says that it is (`GridBase::gridClassToString`).
+const CLASSES: &[(&str, Content)] = &[
+    ("level set", Content::LevelSet),
+    ("fog volume", Content::Simulation),
 ];
 
 fn element(grid: &Descriptor) -> Option<Element> {
@@ -88,7 +94,7 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn volume<T: Value>(&self, voxels: impl FnOnce(Vec<T>) -> Result<Voxels>) -> Result<Volume> {
         let path = self.file.path();
-        let (packing, mut bytes) = self.grid.open(&self.file)?;
+        let (packing, class, mut bytes) = self.grid.open(&self.file)?;
         let world_from_index = transform::read(&mut bytes)?;
         let blocks = self.file.from(self.grid.block_position)?;
         let tree = Tree::<T>::open(bytes, blocks, packing)?;
@@ -102,6 +108,8 @@ impl Reader<'_> {
             world_from_ix.translation,
         )?;
         let voxels = voxels(dense.voxels)?;
-        grid::volume(path, voxels, dense.grid, world_from_ix, Rescale::default())
+        let volume = grid::volume(path, voxels, dense.grid, world_from_ix, Rescale::default())?;
+        let class = String::from_utf8_lossy(class);
+        Ok(volume.with_metadata(Metadata::stated("OpenVDB class", &class, CLASSES)))
     }
 }

@@ -70,14 +70,10 @@ fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Volume> {
         .attribute("type")
         .ok_or_else(|| missing("type of the DataArray"))?;
     let element = text::one_of(path, "type", kind, TYPES)?;
-    // 0 is written of arrays that nothing was said about.
-    let components = Components::of(
-        path,
-        u64::max(components, 1),
-        element,
-        false,
-        options.channel,
-    )?;
+    // Bytes of three or four components are what VTK draws as colours. 0 is written of arrays that nothing was said about.
+    let count = u64::max(components, 1);
+    let colour = element == Element::U8 && matches!(count, 3 | 4);
+    let components = Components::of(path, count, element, colour, options)?;
 
     let extent = image
         .attribute("WholeExtent")

@@ -6,10 +6,9 @@ use serde_json::Value;
 use super::codecs::Codecs;
 use super::store::Store;
 use crate::error::Result;
-use crate::io::element::Element;
+use crate::io::element::{Element, NUMPY_ORDERS, NUMPY_TYPES};
 use crate::io::text;
 use crate::io::text_data::bytes_of;
-use crate::scene::Endian;
 
 /// An array whose numbers fit together.
 pub(super) struct Array {
@@ -59,6 +58,7 @@ pub(super) struct Named {
     pub(super) configuration: Value,
 }
 
+/// Type names of version 3.
 const TYPES: &[(&str, Element)] = &[
     ("bool", Element::U8),
     ("uint8", Element::U8),
@@ -72,18 +72,6 @@ const TYPES: &[(&str, Element)] = &[
     ("float16", Element::F16),
     ("float32", Element::F32),
     ("float64", Element::F64),
-    ("b1", Element::U8),
-    ("u1", Element::U8),
-    ("i1", Element::I8),
-    ("u2", Element::U16),
-    ("i2", Element::I16),
-    ("u4", Element::U32),
-    ("i4", Element::I32),
-    ("u8", Element::U64),
-    ("i8", Element::I64),
-    ("f2", Element::F16),
-    ("f4", Element::F32),
-    ("f8", Element::F64),
 ];
 
 /// Largest chunk, in bytes.
@@ -114,13 +102,8 @@ impl Array {
         let path = store.path(key);
         let dtype = header.dtype.as_str().unwrap_or_default();
         let (order, name) = dtype.split_at_checked(1).unwrap_or(("", dtype));
-        let orders = [
-            ("<", Endian::Little),
-            ("|", Endian::Little),
-            (">", Endian::Big),
-        ];
-        let endian = text::one_of(&path, "dtype: byte order", order, &orders)?;
-        let element = text::one_of(&path, "dtype", name, TYPES)?;
+        let endian = text::one_of(&path, "dtype: byte order", order, &NUMPY_ORDERS)?;
+        let element = text::one_of(&path, "dtype", name, &NUMPY_TYPES)?;
         if header.filters.as_array().is_some_and(|f| !f.is_empty()) {
             return Err(store.bad(key, format!("filters {}: none are read", header.filters)));
         }

@@ -27,6 +27,10 @@ pub enum Modality {
     Microscopy,
     /// A computed or measured field that is smooth.
     Simulation,
+    /// Signed distances from a surface, negative inside.
+    LevelSet,
+    /// Photographs of sections, and whatever else has colours of its own.
+    Color,
     /// Each value names a segment.
     Labels,
 }
@@ -40,6 +44,8 @@ impl Modality {
             Self::MicroCt | Self::Ultrasound => "boundaries",
             Self::Microscopy => "microscopy",
             Self::Simulation | Self::Nuclear => "simulation",
+            Self::LevelSet => "level-set",
+            Self::Color => "colors",
             Self::Labels => "labels",
         }
     }
@@ -86,6 +92,8 @@ impl Guess {
                 Content::Nuclear => Modality::Nuclear,
                 Content::Ultrasound => Modality::Ultrasound,
                 Content::Microscopy => Modality::Microscopy,
+                Content::Simulation => Modality::Simulation,
+                Content::LevelSet => Modality::LevelSet,
                 Content::Labels => Modality::Labels,
             };
             let unscaled = *content == Content::Ct && modality == Modality::MicroCt;
@@ -95,6 +103,9 @@ impl Guess {
                 ""
             };
             return guess(modality, format!("the file says so: {key}{but}"));
+        }
+        if volume.colors().is_some() {
+            return guess(Modality::Color, "voxels are colours".into());
         }
         if let Some(reason) = labels::reason(volume) {
             return guess(Modality::Labels, reason);

@@ -36,6 +36,8 @@ enum Scale {
     Field(Points),
     /// There are none: [`boundaries`] finds them.
     Boundaries,
+    /// There are none: matter begins at 0.
+    LevelSet,
     /// There are none: each label gets its own.
     Labels,
 }
@@ -44,6 +46,12 @@ const BOUNDARIES: Preset = Preset {
     name: "boundaries",
     description: "surfaces between materials, found from value and gradient (Kindlmann and Durkin 1998)",
     scale: Scale::Boundaries,
+};
+
+const LEVEL_SET: Preset = Preset {
+    name: "level-set",
+    description: "signed distances: solid where they are negative",
+    scale: Scale::LevelSet,
 };
 
 const LABELS: Preset = Preset {
@@ -56,7 +64,7 @@ const LABELS: Preset = Preset {
 pub static PRESETS: LazyLock<Vec<Preset>> = LazyLock::new(|| {
     let mut presets = hounsfield::PRESETS.to_vec();
     presets.extend(relative::PRESETS);
-    presets.extend([BOUNDARIES, LABELS]);
+    presets.extend([BOUNDARIES, LEVEL_SET, LABELS]);
     presets
 });
 
@@ -91,6 +99,7 @@ impl Preset {
             Scale::Foreground(points) => relative_points(points, &ValueHistogram::of(volume)),
             Scale::Field(points) => relative_points(points, &ValueHistogram::of_field(volume)),
             Scale::Labels => labels::control_points(volume),
+            Scale::LevelSet => level_set_points(volume),
             Scale::Boundaries => {
                 let histogram = ValueHistogram::of(volume);
                 // Where nothing stands out, values are all there is to go by.
@@ -107,6 +116,16 @@ impl Preset {
             _ => None,
         }
     }
+}
+
+/// Rises over one voxel about the surface.
+fn level_set_points(volume: &Volume) -> Vec<ControlPoint> {
+    let half = 0.5 * volume.min_spacing();
+    let color = [0.85, 0.82, 0.76];
+    vec![
+        control_point((-half, color, 0.95)),
+        control_point((half, color, 0.0)),
+    ]
 }
 
 fn relative_points(points: Points, histogram: &ValueHistogram) -> Vec<ControlPoint> {

@@ -12,11 +12,20 @@ pub(super) const RAMP: Points = &[
     (0.995, [1.0, 0.98, 0.93], 0.90),
 ];
 
-pub(super) const PRESETS: [Preset; 5] = [
+pub(super) const PRESETS: [Preset; 6] = [
     Preset {
         name: "mr-default",
         description: "magnetic resonance: tissue as a surface, what is bright the more opaque",
         scale: Scale::Foreground(RAMP),
+    },
+    Preset {
+        name: "colors",
+        description: "voxels with colours of their own: a solid surface where the background ends",
+        scale: Scale::Foreground(&[
+            (0.00, [0.5, 0.5, 0.5], 0.0),
+            (0.05, [0.7, 0.7, 0.7], 0.15),
+            (0.30, [0.9, 0.9, 0.9], 0.85),
+        ]),
     },
     Preset {
         name: "mr-angio",

@@ -11,6 +11,7 @@ use march::check_march;
 
 use super::{
     AmbientOcclusion, Image, Lighting, March, RawDescription, Scene, Storage, TransferFunction,
+    VolumeColor, check_data_color,
 };
 use crate::error::{Error, Result};
 
@@ -43,6 +44,15 @@ impl Scene {
         }
         if let Some(labels) = &self.volume.labels {
             labels.validate()?;
+        }
+        if self.volume.color == Some(VolumeColor::Data) {
+            check_data_color(&self.march, &self.lighting, false)?;
+            if self.volume.channel.is_some() {
+                return Err(Error::invalid(
+                    "volume.color",
+                    "\"data\" draws all channels as colours, volume.channel reads one of them; give one of the two",
+                ));
+            }
         }
         self.camera.validate()?;
         check_image(&self.image)?;

@@ -66,7 +66,11 @@ def main():
     series("planes_dicom.zip", [saved(np.moveaxis(rgb[k], -1, 0), k, "1.2.21", **planes) for k in range(NZ)], luma)
     EXPECTED.add("planes_dicom.zip", rgb[..., 1], STEPS, channel=1)
     ybr = {**colour, "PhotometricInterpretation": "YBR_FULL"}
-    series("ybr_dicom.zip", [saved(rgb[k], k, "1.2.22", **ybr) for k in range(NZ)], rgb[..., 0])
+    y, cb, cr = np.moveaxis(rgb.astype(np.float32), -1, 0) - np.array([0, 128, 128], np.float32).reshape(3, 1, 1, 1)
+    decoded = np.stack([y + 1.402 * cr, y - 0.344136 * cb - 0.714136 * cr, y + 1.772 * cb], -1)
+    decoded = np.clip(np.floor(decoded + 0.5), 0, 255)
+    ybr_luma = np.floor(decoded.astype(np.float32) @ LUMA + np.float32(0.5))
+    series("ybr_dicom.zip", [saved(rgb[k], k, "1.2.22", **ybr) for k in range(NZ)], ybr_luma)
 
     q = p.astype("<u2")
     series("no_preamble.zip", [saved(q[k], k, "1.2.23", "meta") for k in range(NZ)], q)

@@ -1,6 +1,7 @@
 """Writes tests/data/geometry: one field in many formats and orientations, each by its format's own library.
 
-    pip install numpy nibabel pynrrd SimpleITK pydicom tifffile pillow astropy imagecodecs vtk
+    pip install numpy nibabel pynrrd SimpleITK pydicom tifffile pillow astropy imagecodecs vtk zarr
+    apt-get install python3-openvdb
     python tests/data/generate/geometry.py
 
 `geometry.json` holds points of the world (mm, LPS) with the value that the formula below has there, in 64-bit floats and
@@ -14,7 +15,9 @@ import json
 import pathlib
 import random
 import shutil
+import subprocess
 import tarfile
+import tempfile
 import zipfile
 
 import numpy as np
@@ -247,6 +250,51 @@ def vti_files(base):
         expect(path, "oblique")
 
 
+def vdb_files(base):
+    """Half of the orders of the axes, each with other flips; the first voxel is no corner of the tree."""
+    files = []
+    matrix = affine(OBLIQUE, SPACING, ORIGIN)
+    for number, (order, flips) in enumerate(ORIENTATIONS[::5]):
+        voxels, moved = stored(base, matrix, order, flips)
+        path = f"vdb/{label(order, flips)}.vdb"
+        first = (-3, 5 * number, 117)
+        moved[:3, 3] -= moved[:3, :3] @ np.array(first)
+        # Row vectors.
+        files.append({"path": place(path), "size": voxels.shape, "first": first, "matrix": moved.T.tolist(),
+                      "values": voxels.astype(float).ravel().tolist()})
+        expect(path, "oblique")
+    script = pathlib.Path(__file__).with_name("geometry_vdb.py")
+    subprocess.run(["/usr/bin/python3", script], input=json.dumps(files), text=True, check=True)
+
+
+def zarr_files(base):
+    """Arrays with their axes of space in every order, named; scale and translation in micrometres."""
+    import zarr
+
+    matrix = affine(np.eye(3), SPACING, ORIGIN)
+    for number, order in enumerate(itertools.permutations(range(3))):
+        version = (2, 3)[number % 2]
+        names = ["xyz"[axis] for axis in order]
+        axes = [{"name": name, "type": "space", "unit": "micrometer"} for name in names]
+        scale = [1000 * SPACING[axis] for axis in order]
+        translation = [1000 * ORIGIN[axis] for axis in order]
+        transforms = [{"type": "scale", "scale": scale}, {"type": "translation", "translation": translation}]
+        image = {"axes": axes, "datasets": [{"path": "0", "coordinateTransformations": transforms}]}
+        path = f"zarr/{''.join(names)}.zarr.zip"
+        with tempfile.TemporaryDirectory() as folder:
+            group = zarr.open_group(folder, mode="w", zarr_format=version)
+            if version == 2:
+                group.attrs["multiscales"] = [{**image, "version": "0.4"}]
+            else:
+                group.attrs["ome"] = {"version": "0.5", "multiscales": [image]}
+            group.create_array("0", data=np.ascontiguousarray(base.transpose(order)), chunks=(7, 6, 5))
+            root = pathlib.Path(folder)
+            with zipfile.ZipFile(place(path), "w") as archive:
+                for file in sorted(f for f in root.rglob("*") if f.is_file()):
+                    archive.writestr(zipfile.ZipInfo(file.relative_to(root).as_posix()), file.read_bytes())
+        expect(path, "moved")
+
+
 # --- DICOM -----------------------------------------------------------------------------------------------------------
 
 
@@ -456,8 +504,10 @@ def main():
     probe_points("oblique", oblique, of_index)
     probe_points("tilted", tilted(oblique), of_index)
     probe_points("at_origin", affine(np.eye(3), SPACING, (0, 0, 0)), of_index)
+    probe_points("moved", affine(np.eye(3), SPACING, ORIGIN), of_index)
     probe_points("unit", np.eye(4), of_index)
-    for write in (nrrd_files, nifti_files, metaimage_files, vti_files, dicom_files, unoriented_files):
+    for write in (nrrd_files, nifti_files, metaimage_files, vti_files, vdb_files, zarr_files, dicom_files,
+                  unoriented_files):
         write(base)
     turned_files()
     (OUT / "geometry.json").write_text(json.dumps(GEOMETRY, separators=(",", ":")) + "\n")

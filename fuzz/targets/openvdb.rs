@@ -1,0 +1,2 @@
+#![no_main]
+umbravox_fuzz::reader!(OPENVDB);

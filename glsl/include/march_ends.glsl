@@ -1,0 +1,67 @@
+// The march over samples at the ends of segments, integrated between. march.comp includes it after add_segment().
+
+// The end of a segment.
+struct Node {
+    Brick brick;
+    float place;  // of its value on an axis of the table
+};
+
+Node node_at(vec3 p_ix, Brick fallback) {
+    Brick b = brick_near(p_ix, fallback);
+    return Node(b, table_place(reconstruct(b, p_ix)));
+}
+
+// What segment `i` shows between its ends; opacity over a whole step.
+Classified classify_between(Ray ray, Node front, Node back, uint i, uint count, float shift) {
+    if (!front.brick.resident) {
+        // Nothing was there to sample: the brick behind goes up to their common face.
+        front.place = table_place(reconstruct(back.brick, node_position(ray, i, count, shift)));
+    }
+    Classified c = classify_step(front.place, back.place);
+    c.opacity = back.brick.resident ? c.opacity : 0.0;
+    return c;
+}
+
+// Segments sampled at their ends, and integrated between.
+void march_ends(inout Accumulated acc, Ray ray, float shift) {
+    uint count = segment_count(ray, shift);
+    uint whole = count - min(count, 1u);
+    uint i = 0u;
+    while (i < whole && acc.opacity < frame.early_termination) {
+        EndsRun run = next_run(ray, i, count, shift);
+        run.end = min(run.end, whole);
+        i = run.first;
+        vec3 front_ix = node_position(ray, i, count, shift);
+        Node front = node_at(front_ix, brick_at(front_ix));
+        while (i < run.end && acc.opacity < frame.early_termination) {
+            Node back;
+            Classified c;
+            bool more;
+            do {
+                back = node_at(node_position(ray, i + 1u, count, shift), front.brick);
+                c = classify_between(ray, front, back, i, count, shift);
+                more = is_searched() && c.opacity == 0.0 && i + 1u < run.end;
+                acc.samples += uint(more);
+                i += uint(more);
+                if (more) {
+                    front = back;
+                }
+            } while (more);
+            Segment segment = segment_of(i, count, ray.extent, shift);
+            c.opacity = JITTER ? opacity_over(c.opacity, segment.extent) : c.opacity;
+            Brick b = brick_near(ray_position(ray, segment.middle, volume.field_ix), back.brick);
+            add_segment(acc, ray, b, segment, c);
+            front = back;
+            ++i;
+        }
+    }
+    if (count > 0u && acc.opacity < frame.early_termination) {
+        Segment last = segment_of(whole, count, ray.extent, shift);
+        vec3 front_ix = node_position(ray, whole, count, shift);
+        Node front = node_at(front_ix, brick_at(front_ix));
+        Node back = node_at(node_position(ray, count, count, shift), front.brick);
+        Classified c = classify_between(ray, front, back, whole, count, shift);
+        c.opacity = opacity_over(c.opacity, last.extent);
+        add_segment(acc, ray, brick_near(ray_position(ray, last.middle, volume.field_ix), back.brick), last, c);
+    }
+}

@@ -1,0 +1,57 @@
+// The march over samples at the middles of segments. march.comp includes it after add_segment().
+
+// Samples a segment at its middle. `shorter`: it may be shorter than a whole step.
+Classified classify_middle(Ray ray, Brick b, Segment segment, bool shorter) {
+    vec3 p_ix = ray_position(ray, segment.middle, volume.field_ix);
+    if (CLASSIFICATION == PRE) {
+        return classify_voxels(b, p_ix, frame.unit_exponent * (shorter ? segment.extent : 1.0));
+    }
+    Classified c = classify(reconstruct(b, p_ix), frame.unit_exponent);
+    c.opacity = shorter ? opacity_over(c.opacity, segment.extent) : c.opacity;
+    return c;
+}
+
+// Segments sampled at their middles.
+void march_middles(inout Accumulated acc, Ray ray, float shift) {
+    uint count = segment_count(ray, shift);
+    // The last segment is shorter and comes by itself after the loop, so that the loop needs no power function. Jittered
+    // rays have a shorter first one too and take the exact path throughout.
+    uint whole = count - min(count, 1u);
+    uint i = 0u;
+    while (i < whole && acc.opacity < frame.early_termination) {
+        // Leaps first, in a loop of their own: its body is all that empty space costs.
+        vec3 p_ix;
+        bool empty;
+        uint run_end;
+        do {
+            p_ix = ray_position(ray, segment_of(i, count, ray.extent, shift).middle, volume.field_ix);
+            Region region = region_at(p_ix, block_of(p_ix));
+            run_end = min(i + run_length(region, p_ix, ray.step_ix), whole);
+            empty = region.empty;
+            i = empty ? run_end : i;
+        } while (empty && i < whole);
+        Brick b = brick_at(p_ix);
+        i = b.resident ? i : run_end;
+        while (i < run_end && acc.opacity < frame.early_termination) {
+            Segment segment;
+            Classified c;
+            bool more;
+            do {
+                segment = segment_of(i, count, ray.extent, shift);
+                c = classify_middle(ray, b, segment, JITTER);
+                more = is_searched() && c.opacity == 0.0 && i + 1u < run_end;
+                acc.samples += uint(more);
+                i += uint(more);
+            } while (more);
+            add_segment(acc, ray, b, segment, c);
+            ++i;
+        }
+    }
+    if (count > 0u && acc.opacity < frame.early_termination) {
+        Segment last = segment_of(count - 1u, count, ray.extent, shift);
+        Brick b = brick_at(ray_position(ray, last.middle, volume.field_ix));
+        if (b.resident) {
+            add_segment(acc, ray, b, last, classify_middle(ray, b, last, true));
+        }
+    }
+}

@@ -104,9 +104,8 @@ fn shadows_by_rays_and_by_sweeps() {
 fn shadowed_scattering_is_what_mitsuba_has() {
     let headless = headless();
     for name in SINGLE {
+        // At the scene's own step: shadow rays of finer ones meet llvmpipe's limit of 65535 loop iterations an invocation.
         let mut loaded = TransportScene::load(name);
-        // What a coarser step leaves would be seen in the mean of all Z.
-        loaded.scene.march.step = 0.1;
         loaded.scene.lighting.shadows.method = ShadowMethod::Rays;
         let ours = without_noise(&picture(&headless, &loaded.volume, &loaded.scene));
         let scores = z_test(&ours, &loaded.expected, 1);

@@ -7,7 +7,8 @@
 //! - `--series PATH` is a folder or an archive, `.tar.xz` say, which is unpacked first. Default: the largest of the
 //!   larger volumes, `../shared/data/ct_chest_lidc0314_dicom.tar.xz`;
 //! - `--json PATH` also writes the figures there;
-//! - `--repeats N` (default 5), after one that is not counted.
+//! - `--repeats N` (default 5), after one that is not counted;
+//! - `--no-picture` leaves the first picture out, which on a CPU takes far longer than the rest.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -36,6 +37,7 @@ struct Request {
     series: PathBuf,
     json: Option<PathBuf>,
     repeats: u32,
+    picture: bool,
 }
 
 /// Milliseconds, and host memory in multiples of the voxels' bytes.
@@ -50,6 +52,10 @@ struct Figures {
     picture_ms: Vec<f64>,
     load_peak: f64,
     picture_peak: f64,
+    /// Processor time of floor and load, all threads, mean of the repeats: what other work on the machine does not change.
+    /// Counted in hundredths of a second; 0 where the system does not tell it.
+    floor_cpu_ms: f64,
+    load_cpu_ms: f64,
 }
 
 fn main() -> ExitCode {
@@ -72,6 +78,7 @@ fn request() -> Result<Option<Request>> {
         series: Path::new(env!("CARGO_MANIFEST_DIR")).join(SERIES),
         json: None,
         repeats: 5,
+        picture: true,
     };
     let mut args = std::env::args().skip(1);
     let mut measured = false;
@@ -83,6 +90,7 @@ fn request() -> Result<Option<Request>> {
         match arg.as_str() {
             "--bench" => measured = true, // from `cargo bench`
             "--test" => measured = false,
+            "--no-picture" => request.picture = false,
             "--series" => request.series = value()?.into(),
             "--json" => request.json = Some(value()?.into()),
             "--repeats" => {
@@ -101,7 +109,7 @@ fn request() -> Result<Option<Request>> {
             _ => {
                 return Err(Error::invalid(
                     arg,
-                    "give --series PATH, --json PATH or --repeats N",
+                    "give --series PATH, --json PATH, --repeats N or --no-picture",
                 ));
             }
         }
@@ -128,7 +136,7 @@ fn run(request: &Request) -> Result<()> {
     let mut files = Vec::new();
     files_below(&folder, &mut files)?;
     let headless = Headless::new(&Options::default())?;
-    let mut figures = measure(&headless, &folder, &files, request.repeats)?;
+    let mut figures = measure(&headless, &folder, &files, request)?;
     print(&headless, &mut figures);
     let Some(path) = &request.json else {
         return Ok(());
@@ -160,7 +168,12 @@ fn files_below(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
     Ok(())
 }
 
-fn measure(headless: &Headless, folder: &Path, files: &[PathBuf], repeats: u32) -> Result<Figures> {
+fn measure(
+    headless: &Headless,
+    folder: &Path,
+    files: &[PathBuf],
+    request: &Request,
+) -> Result<Figures> {
     let mut figures = Figures {
         size: [0; 3],
         voxel_bytes: 0,
@@ -170,17 +183,19 @@ fn measure(headless: &Headless, folder: &Path, files: &[PathBuf], repeats: u32) 
         picture_ms: Vec::new(),
         load_peak: 0.0,
         picture_peak: 0.0,
+        floor_cpu_ms: 0.0,
+        load_cpu_ms: 0.0,
     };
-    for repeat in 0..=repeats {
-        let start = Instant::now();
+    for repeat in 0..=request.repeats {
+        let (start, cpu) = (Instant::now(), cpu_ms());
         let decoded = decode_alone(files)?;
-        let floor = elapsed_ms(start);
+        let (floor, floor_cpu) = (elapsed_ms(start), cpu_ms() - cpu);
         let decoded: u64 = decoded.into_iter().map(|(_, bytes)| bytes).sum();
 
-        let (held, start) = (ALLOCATOR.current_usage(), Instant::now());
+        let (held, start, cpu) = (ALLOCATOR.current_usage(), Instant::now(), cpu_ms());
         ALLOCATOR.reset_peak_usage();
         let volume = read(folder, &ReadOptions::default())?;
-        let load = elapsed_ms(start);
+        let (load, load_cpu) = (elapsed_ms(start), cpu_ms() - cpu);
         let load_peak = ALLOCATOR.peak_usage() - held;
         note_size(&mut figures, &volume);
         assert!(
@@ -191,15 +206,21 @@ fn measure(headless: &Headless, folder: &Path, files: &[PathBuf], repeats: u32) 
 
         let (held, start) = (ALLOCATOR.current_usage(), Instant::now());
         ALLOCATOR.reset_peak_usage();
-        first_picture(headless, folder)?;
+        if request.picture {
+            first_picture(headless, folder)?;
+        }
         let picture = elapsed_ms(start);
         let picture_peak = ALLOCATOR.peak_usage() - held;
         if repeat == 0 {
             continue; // the page cache is filled, pipelines are built
         }
         figures.floor_ms.push(floor);
+        figures.floor_cpu_ms += floor_cpu / f64::from(request.repeats);
+        figures.load_cpu_ms += load_cpu / f64::from(request.repeats);
         figures.load_ms.push(load);
-        figures.picture_ms.push(picture);
+        if request.picture {
+            figures.picture_ms.push(picture);
+        }
         let voxels = |bytes: usize| bytes as f64 / figures.voxel_bytes as f64;
         figures.load_peak = figures.load_peak.max(voxels(load_peak));
         figures.picture_peak = figures.picture_peak.max(voxels(picture_peak));
@@ -209,6 +230,15 @@ fn measure(headless: &Headless, folder: &Path, files: &[PathBuf], repeats: u32) 
 
 fn elapsed_ms(start: Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e3
+}
+
+/// Processor time of this process so far; Linux counts it in hundredths of a second (proc_pid_stat(5)).
+fn cpu_ms() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    // The second field is a name in parentheses and may hold anything.
+    let after = stat.rsplit(')').next().unwrap_or_default();
+    let ticks = after.split_whitespace().skip(11).take(2);
+    ticks.filter_map(|n| n.parse::<f64>().ok()).sum::<f64>() * 10.0
 }
 
 fn note_size(figures: &mut Figures, volume: &Volume) {
@@ -273,6 +303,9 @@ fn print(headless: &Headless, figures: &mut Figures) {
             Some(figures.picture_peak),
         ),
     ] {
+        if times.is_empty() {
+            continue;
+        }
         let [least, most] = [f64::min as fn(f64, f64) -> f64, f64::max]
             .map(|pick| times.iter().copied().reduce(pick).unwrap_or(f64::NAN));
         println!(
@@ -282,4 +315,11 @@ fn print(headless: &Headless, figures: &mut Figures) {
             peak.map(|p| format!("{p:.2}")).unwrap_or_default()
         );
     }
+    println!();
+    println!(
+        "processor time: floor {:.0} ms, load {:.0} ms, {:.2} of the floor",
+        figures.floor_cpu_ms,
+        figures.load_cpu_ms,
+        figures.load_cpu_ms / figures.floor_cpu_ms
+    );
 }

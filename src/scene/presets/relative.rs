@@ -22,9 +22,9 @@ pub(super) const PRESETS: [Preset; 6] = [
         name: "colors",
         description: "voxels with colours of their own: a solid surface where the background ends",
         scale: Scale::Foreground(&[
-            (0.00, [0.5, 0.5, 0.5], 0.0),
-            (0.05, [0.7, 0.7, 0.7], 0.15),
-            (0.30, [0.9, 0.9, 0.9], 0.85),
+            (0.05, [0.5, 0.5, 0.5], 0.0),
+            (0.25, [0.7, 0.7, 0.7], 0.10),
+            (0.50, [0.9, 0.9, 0.9], 0.85),
         ]),
     },
     Preset {

@@ -161,6 +161,12 @@ fn measured(settings: &Settings) -> Measured {
     }
 }
 
+/// Of the paths of every pixel: their mean, and the variance of that mean.
+struct Moments {
+    mean: Vec<[f32; 3]>,
+    variance: Vec<[f32; 3]>,
+}
+
 /// A volume on a device of our own, with a camera.
 pub struct Session {
     renderer: Renderer,
@@ -285,7 +291,7 @@ impl Session {
                     .map(|[r, g, b, _]| [r, g, b])
                     .collect()
             });
-        let variance = self.moments()?.map(|(_, variance)| variance);
+        let variance = self.moments()?.map(|moments| moments.variance);
         let samples: Vec<u32> = aux.iter().map(|a| a[1] as u32).collect();
         self.samples = Some(samples.iter().map(|&n| u64::from(n)).sum());
         Ok(Picture {
@@ -334,7 +340,7 @@ impl Session {
 
     /// Root mean square standard error of the pixels' means, and the mean of the picture, over all channels.
     fn noise(&mut self) -> Result<(f64, f64)> {
-        let Some((mean, variance)) = self.moments()? else {
+        let Some(Moments { mean, variance }) = self.moments()? else {
             return Ok((0.0, 0.0));
         };
         let count = 3.0 * mean.len() as f64;
@@ -350,7 +356,7 @@ impl Session {
     }
 
     /// Mean radiance of every pixel's paths, and the variance of that mean.
-    fn moments(&mut self) -> Result<Option<(Vec<[f32; 3]>, Vec<[f32; 3]>)>> {
+    fn moments(&mut self) -> Result<Option<Moments>> {
         let Some(paths) = self.renderer.loaded().paths() else {
             return Ok(None);
         };
@@ -366,7 +372,10 @@ impl Session {
             })
         };
         let variances = sums.iter().zip(&squares).map(variance).collect();
-        Ok(Some((sums.into_iter().map(mean).collect(), variances)))
+        Ok(Some(Moments {
+            mean: sums.into_iter().map(mean).collect(),
+            variance: variances,
+        }))
     }
 
     /// Nothing is left to draw where paths have drawn it.

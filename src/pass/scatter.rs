@@ -5,7 +5,7 @@
 //! Grid    one workgroup for 4x4x4 points; of a sweep 8x8 points of a layer and a bin; of the zonal method 64 zones
 //! Method  Max 1995, section VII: short characteristics; P1 by finite volumes and over-relaxation; radiosity between zones
 //! Limits  a dispatch is one layer of all bins, half a relaxation, or one exchange of at most 8000 zones
-//! Twin    none: compared with src/reference/transport (paths) and with the Monte Carlo pass
+//! Twin    src/reference/transport/paths.rs (the same light, by paths)
 
 use std::sync::Arc;
 

@@ -5,7 +5,7 @@
 //! Grid    one workgroup for 8x8 points of a layer, one dispatch a layer
 //! Method  Kajiya and Von Herzen 1984; Max 1995, section VI
 //! Limits  a dispatch is one layer of at most 1024x1024 points
-//! Twin    src/reference/transport (rays to the lights)
+//! Twin    src/reference/transport/quadrature.rs (by rays to the lights)
 
 use std::sync::Arc;
 

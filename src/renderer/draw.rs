@@ -250,14 +250,6 @@ impl Loaded {
         else {
             return Ok(());
         };
-        let inputs = ScatterInputs {
-            images,
-            labels: labels.as_ref(),
-            medium_images,
-            volume,
-            medium,
-            phase: &settings.lighting.phase,
-        };
         let variant = ScatterVariant {
             reconstruction: Reconstruction {
                 emission: settings.curve.emits(),
@@ -267,16 +259,17 @@ impl Loaded {
             environment: environment_kind(settings),
             glows: settings.curve.glows(),
         };
+        let inputs = ScatterInputs {
+            images,
+            labels: labels.as_ref(),
+            medium_images,
+            volume,
+            medium,
+            phase: &settings.lighting.phase,
+            variant,
+        };
         recorder.pass(pass_name::SCATTER, |recorder| {
-            scattered.record(
-                context,
-                recorder,
-                scatter_pass,
-                variant,
-                &inputs,
-                rays,
-                iterating,
-            )
+            scattered.record(context, recorder, scatter_pass, &inputs, rays, iterating)
         })?;
         Ok(())
     }

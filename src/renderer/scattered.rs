@@ -120,12 +120,12 @@ impl Scattered {
         context: &Arc<Context>,
         recorder: &mut Recorder<'_>,
         pass: &mut ScatterPass,
-        variant: ScatterVariant,
         resources: &ScatterInputs<'_>,
         rays: &RayBasis,
         iterating: bool,
     ) -> Result<()> {
         let eye = eye_of(rays);
+        let variant = resources.variant;
         if !self.prepared {
             self.images.restart(context, "umbravox")?;
         }
@@ -190,7 +190,7 @@ impl Scattered {
     }
 }
 
-/// [`ScatterResources`] without the solver's own.
+/// [`ScatterResources`] without the solver's own, and what specializes the passes.
 pub(super) struct ScatterInputs<'a> {
     pub(super) images: &'a crate::atlas::Images,
     pub(super) labels: Option<&'a crate::atlas::LabelImages>,
@@ -198,6 +198,7 @@ pub(super) struct ScatterInputs<'a> {
     pub(super) volume: crate::gpu::Uniforms,
     pub(super) medium: crate::gpu::Uniforms,
     pub(super) phase: &'a PhaseFunction,
+    pub(super) variant: ScatterVariant,
 }
 
 impl<'a> ScatterInputs<'a> {

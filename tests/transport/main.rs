@@ -6,6 +6,7 @@ mod transport_scenes;
 #[path = "../common/z_test.rs"]
 mod z_test;
 
+mod furnace;
 mod multiple;
 mod single;
 mod straight;

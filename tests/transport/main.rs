@@ -7,6 +7,7 @@ mod transport_scenes;
 mod z_test;
 
 mod furnace;
+mod light;
 mod multiple;
 mod single;
 mod straight;

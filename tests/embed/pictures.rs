@@ -3,7 +3,10 @@
 use ash::vk;
 use umbravox::embed::{Background, FrameCamera};
 use umbravox::gpu::HostMemory;
-use umbravox::scene::{View, srgb_from_linear};
+use umbravox::scene::{
+    Light, Lighting, OpticalModel, PhaseFunction, Scattering, ScatteringMethod, View,
+    srgb_from_linear,
+};
 
 use crate::camera::{DepthKind, HostCamera};
 use crate::host::{Host, Look, Stage};
@@ -172,4 +175,65 @@ fn backgrounds_and_formats_keep_their_meaning() {
     stage.destroy();
     drop((renderer, context));
     host.finish();
+}
+
+/// Light volumes of the optical models are solved in the host's frames, and paths summed there.
+#[test]
+fn optical_models_are_the_same_in_a_hosts_frames() {
+    let light = Light::Directional {
+        direction: [0.3, -1.0, 0.6],
+        irradiance: [3.0, 2.5, 2.0],
+    };
+    let ordinates = Scattering {
+        resolution: Some(8),
+        directions: 24,
+        tolerance: 0.0,
+        iterations: Some(6),
+        ..Default::default()
+    };
+    let paths = Scattering {
+        method: ScatteringMethod::MonteCarlo,
+        samples: 5,
+        ..Default::default()
+    };
+    for (model, scattering) in [
+        (OpticalModel::Absorption, Scattering::default()),
+        (OpticalModel::ShadowedScattering, Scattering::default()),
+        (OpticalModel::MultipleScattering, ordinates),
+        (OpticalModel::MultipleScattering, paths),
+    ] {
+        let mut subject = ball();
+        subject.scene.ambient_occlusion = None;
+        subject.scene.march.classification = None;
+        subject.scene.lighting = Lighting {
+            model,
+            lights: if model.scatters() {
+                vec![light.clone()]
+            } else {
+                Vec::new()
+            },
+            phase: PhaseFunction::HenyeyGreenstein {
+                g: if model.scatters() { 0.4 } else { 0.0 },
+            },
+            scattering,
+            ..Default::default()
+        };
+        let expected = alone(&subject, SIZE);
+        let host = Host::new();
+        let context = host.context(HostMemory::GpuAllocator);
+        let mut renderer = subject.renderer(&context);
+        let mut stage = Stage::new(&host, RGBA32F, SIZE);
+        let look = Look {
+            camera: FrameCamera::View(subject.view(SIZE)),
+            background: Background::Transparent,
+            encode_srgb: false,
+        };
+        let picture = stage.draw(&look, &mut [&mut renderer]);
+        let worst = difference(&picture, &expected);
+        println!("{model:?}: {worst:.1e}");
+        assert!(worst <= FLOAT_TOLERANCE, "{model:?}: {worst:e}");
+        stage.destroy();
+        drop((renderer, context));
+        host.finish();
+    }
 }

@@ -9,7 +9,7 @@ use crate::sessions::{Subject, assert_valid, device, shown};
 /// Random scenes; `UMBRAVOX_CASES` for more.
 fn cases() -> u64 {
     let wanted = std::env::var("UMBRAVOX_CASES").ok();
-    wanted.and_then(|n| n.parse().ok()).unwrap_or(200)
+    wanted.and_then(|n| n.parse().ok()).unwrap_or(100)
 }
 /// Edges of tiles, pixels; the pictures are smaller than the last.
 const TILES: [u32; 4] = [8, 16, 24, 64];

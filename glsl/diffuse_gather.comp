@@ -19,7 +19,7 @@
 
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
 
-layout(set = 0, binding = BINDING_SCATTERED_STORE, rgba16f) uniform writeonly image3D i_scattered;
+layout(set = 0, binding = BINDING_SCATTERED_STORE, rgba32f) uniform writeonly image3D i_scattered;
 
 void main() {
     ivec3 point = ivec3(gl_GlobalInvocationID);
@@ -27,7 +27,8 @@ void main() {
         return;
     }
     vec3 p_ws = ws_from_ix(grid_position(point));
-    vec3 to_eye = push.eye.w > 0.0 ? normalize(push.eye.xyz - p_ws + vec3(1e-20)) : push.eye.xyz;
+    vec3 apart = push.eye.xyz - p_ws;
+    vec3 to_eye = push.eye.w > 0.0 ? apart * inversesqrt(max(dot(apart, apart), 1e-30)) : push.eye.xyz;
     vec3 fluence = imageLoad(i_fluence, tile_texel(int(push.columns), point)).rgb;
     vec3 towards = vec3(0.0);
     if (push.mean_cosine != 0.0) {

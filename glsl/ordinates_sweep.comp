@@ -51,9 +51,8 @@ void main() {
     vec3 from = clamp(here - d * length_mm, vec3(0.0), grid_cells());
     // Between the four points around; of a border those on it.
     ivec3 p00 = min(ivec3(from), medium.scatter_points - 1);
-    if (!outside) {
-        p00[axis] = point[axis] + (d[axis] > 0.0 ? -1 : 1);
-    }
+    // Across the layers the nearer one, in either direction.
+    p00[axis] = outside ? int(floor(from[axis] + 0.5)) : point[axis] + (d[axis] > 0.0 ? -1 : 1);
     ivec3 p10 = p00;
     ivec3 p01 = p00;
     p10[u] = min(p00[u] + 1, medium.scatter_points[u] - 1);

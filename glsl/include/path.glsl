@@ -103,6 +103,7 @@ void trace(inout Path path, Ray ray, inout Random random) {
             Brick b = brick_at(p_ix);
             Matter matter = matter_at(b, p_ix);
             matter.extinction = b.resident ? matter.extinction : 0.0;
+            matter.source = b.resident ? matter.source : vec3(0.0);
             path.samples += 1u;
             if (GLOWS) {
                 path.radiance += path.weight * matter.source / majorant;

@@ -37,7 +37,7 @@ float largest_factor() {
 // Goes on to the next tentative collision. Its density, per mm; 0: the flight left the field, or reached its end, first.
 float next_collision(inout Flight flight, inout Random random) {
     float left = -log(1.0 - next_random(random));
-    float least_mm = 1e-4 / length(flight.d_ix);
+    float least_mm = 1e-5 / length(flight.d_ix);
     while (flight.at_mm < flight.reach_mm) {
         vec3 p_ix = flight_position(flight);
         float majorant = medium.tracking.x;
@@ -50,7 +50,11 @@ float next_collision(inout Flight flight, inout Random random) {
             vec3 high = vec3((cell + reach) * SKIP_CELLS);
             bool empty = distance > 0u && distance != WHOLE_BLOCK;
             majorant = empty ? 0.0 : max(texelFetch(t_majorant, cell, 0).r, medium.tracking.y);
-            ahead = min(ahead, max(steps_to_border(p_ix, flight.d_ix, low, high), least_mm));
+            // To the border and, whatever the size of the numbers, a little beyond it.
+            vec3 border = mix(low, high, greaterThan(flight.d_ix, vec3(0.0)));
+            vec3 to_border = mix((border - p_ix) / flight.d_ix, vec3(3.0e38), equal(flight.d_ix, vec3(0.0)));
+            float inside = max(min(to_border.x, min(to_border.y, to_border.z)), 0.0);
+            ahead = min(ahead, inside + max(least_mm, 4e-7 * (flight.at_mm + inside)));
         }
         majorant *= largest_factor();
         if (left < majorant * ahead) {

@@ -83,7 +83,18 @@ impl MediumImages {
                 return Err(Error::Unsupported {
                     device: context.capabilities().name.clone(),
                     need: format!("a 3D image of {extent:?} texels for {name}"),
-                    have: format!("at most {max} on an axis"),
+                    have: format!(
+                        "at most {max} on an axis; give a larger lighting.shadows.spacing, or fewer lights"
+                    ),
+                });
+            }
+            if !context.filters_linearly(format) {
+                return Err(Error::Unsupported {
+                    device: context.capabilities().name.clone(),
+                    need: format!(
+                        "linear filtering of {format:?} (light volumes of optical models)"
+                    ),
+                    have: "sampling without it".into(),
                 });
             }
             let usage = vk::ImageUsageFlags::SAMPLED
@@ -119,7 +130,7 @@ impl MediumImages {
         let scattered = extents.scattered.map_or([1; 3], |grid| grid.points);
         Ok(Self {
             shadow: volume("shadow", shadow, vk::Format::R32_SFLOAT)?,
-            scattered: volume("scattered", scattered, vk::Format::R16G16B16A16_SFLOAT)?,
+            scattered: volume("scattered", scattered, vk::Format::R32G32B32A32_SFLOAT)?,
             environment: flat("environment", extents.environment.unwrap_or([1; 2]))?,
             majorant: volume(
                 "majorant",

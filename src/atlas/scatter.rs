@@ -133,17 +133,14 @@ impl ScatterImages {
     /// # Errors
     /// [`Error::Vulkan`] when the memory cannot be read.
     pub(crate) fn residual(&self, iteration: u32) -> Result<Option<f64>> {
-        let bytes = self.residual.mapped()?;
-        let entry = |i: u32| -> Option<[f32; 2]> {
-            let at = i as usize * 8;
-            let word =
-                |at: usize| Some(f32::from_ne_bytes(bytes.get(at..at + 4)?.try_into().ok()?));
-            Some([word(at)?, word(at + 4)?])
-        };
-        let next = entry(iteration + 1).is_some_and(|[_, largest]| largest > 0.0);
-        Ok(entry(iteration)
-            .filter(|[_, largest]| next && *largest > 0.0)
-            .map(|[change, largest]| f64::from(change) / f64::from(largest)))
+        if iteration >= self.iterations {
+            return Ok(None);
+        }
+        // The device may be writing later words at this moment.
+        let word = |i: u32| self.residual.read_word(i as usize).map(f32::from_bits);
+        let (change, largest) = (word(2 * iteration)?, word(2 * iteration + 1)?);
+        let next = word(2 * iteration + 3)? > 0.0;
+        Ok((next && largest > 0.0).then(|| f64::from(change) / f64::from(largest)))
     }
 
     /// What the solver starts from is gone; see [`Image::forget`].

@@ -111,7 +111,7 @@ impl Buffer {
     }
 
     /// One 32-bit word, which the device may be writing at this moment.
-    pub(super) fn read_word(&self, word: usize) -> Result<u32> {
+    pub(crate) fn read_word(&self, word: usize) -> Result<u32> {
         let pointer = self.mapped_pointer()?.cast::<u32>();
         assert!(
             4 * (word as u64 + 1) <= self.bytes,

@@ -66,7 +66,7 @@ pub struct ScatteringStats {
     pub iterations: u32,
     /// Largest change of the last iteration that is known, as a share of the largest fluence; `null` before there is one.
     pub residual: Option<f64>,
-    /// Time on the device of all iterations, ms.
+    /// Time on the device of all iterations, and of what they start from, ms.
     pub solver_ms: f64,
     /// Paths of every pixel.
     pub paths: u32,
@@ -151,7 +151,12 @@ impl Times {
         match work {
             Work::PictureOnly | Work::Everything => self.picture = times,
             Work::LightOnly => {
-                let light = [pass_name::LIGHT, pass_name::LIGHT_SEAM];
+                let light = [
+                    pass_name::LIGHT,
+                    pass_name::LIGHT_SEAM,
+                    pass_name::SHADOW,
+                    pass_name::SCATTER,
+                ];
                 self.light_ms += times
                     .iter()
                     .filter(|t| light.contains(&t.name))

@@ -407,6 +407,10 @@ impl Loaded {
     /// Number of the path that this frame adds to every pixel; 0 for rays that the sums are not of.
     fn next_path(&mut self, context: &Arc<Context>, frame: &Frame<'_>) -> Result<u32> {
         let size_px = frame.target.size_px;
+        if !self.uploads.bricks_complete() || frame.depth.is_some() {
+            // Of a volume with holes nothing is kept; nor where the host's geometry may have moved, which nobody tells us.
+            self.paths = None;
+        }
         let paths = match self.paths.take() {
             Some(paths) if paths.are_of(&frame.rays, size_px) => paths,
             _ => Paths::new(context, "umbravox", frame.rays, size_px)?,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::RayBasis;
 use super::settings::Settings;
 use crate::atlas::{LightGrid, ScatterImages, Solver};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::{Context, Recorder};
 use crate::pass::scatter::{ScatterPass, ScatterResources, ScatterVariant, flag};
 use crate::scene::{OpticalModel, PhaseFunction, ScatteringMethod};
@@ -37,6 +37,7 @@ impl Scattered {
         context: &Arc<Context>,
         name: &str,
         lengths_mm: [f64; 3],
+        sheared: bool,
         settings: &Settings,
     ) -> Result<Option<Self>> {
         let lighting = &settings.lighting;
@@ -64,6 +65,12 @@ impl Scattered {
             }
             _ => return Ok(None),
         };
+        if sheared && matches!(solver, Solver::Diffusion | Solver::Zonal) {
+            return Err(Error::invalid(
+                "lighting.scattering.method",
+                "diffusion and zones need a grid of orthogonal axes, and this volume's are sheared; give \"ordinates\" or \"monte_carlo\"",
+            ));
+        }
         let isotropic = lighting.phase == PhaseFunction::Isotropic;
         let grid = LightGrid::of_resolution(lengths_mm, scattering.resolution());
         let longest = grid.points.into_iter().max().unwrap_or(2);

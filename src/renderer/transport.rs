@@ -53,7 +53,13 @@ impl Transport {
             let sample_mm = settings.march.step * volume.min_spacing();
             Majorants::new(residency, settings.march.interpolation, table, sample_mm)
         });
-        let scattered = Scattered::new(context, name, lengths_mm(volume), settings)?;
+        let scattered = Scattered::new(
+            context,
+            name,
+            lengths_mm(volume),
+            is_sheared(volume),
+            settings,
+        )?;
         let solved = settings.lighting.model == OpticalModel::MultipleScattering && !traced;
         // Solvers take what comes straight from the lights from the sweep, whatever the march does.
         let swept = solved || (shadowing(settings) == Shadowing::Swept && !traced);
@@ -350,6 +356,15 @@ fn environment_axes(up: [f64; 3]) -> [DVec3; 3] {
         (DVec3::Y - z * z.y).normalize_or(DVec3::Y)
     };
     [x, z.cross(x), z]
+}
+
+/// True when axes of the grid are not at right angles.
+fn is_sheared(volume: &Volume) -> bool {
+    let axes = volume.world_from_ix().matrix3;
+    let [x, y, z] = [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| a.normalize_or_zero());
+    [x.dot(y), y.dot(z), z.dot(x)]
+        .iter()
+        .any(|c| c.abs() > 1e-4)
 }
 
 fn lengths_mm(volume: &Volume) -> [f64; 3] {

@@ -162,7 +162,10 @@ impl Environment {
         require(
             self.radiance.is_some() != self.path.is_some(),
             "lighting.environment",
-            self,
+            format_args!(
+                "with {} of them",
+                usize::from(self.radiance.is_some()) + usize::from(self.path.is_some())
+            ),
             "either \"radiance\" or \"path\"",
         )?;
         if let Some(radiance) = self.radiance {

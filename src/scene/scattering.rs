@@ -24,7 +24,7 @@ pub enum ShadowMethod {
 pub struct Shadows {
     /// Default "sweep".
     pub method: ShadowMethod,
-    /// Distance between points of the swept light volume, voxels, >= 1. Default 4, the edge of a skip cell.
+    /// Distance between points of the swept light volume, voxels, >= 1. Default 2.
     pub spacing: f64,
 }
 
@@ -32,7 +32,7 @@ impl Default for Shadows {
     fn default() -> Self {
         Self {
             method: ShadowMethod::Sweep,
-            spacing: 4.0,
+            spacing: 2.0,
         }
     }
 }

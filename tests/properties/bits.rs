@@ -103,8 +103,9 @@ fn pictures_depend_on_the_scene_alone() {
     assert_valid(&plain);
     assert!(complaints.is_empty(), "\n{}", complaints.join("\n"));
     let most = cases as usize;
+    // Runs of a fixed length look at samples that leaps alone would spare: in small volumes often at all of them.
     assert!(
-        visible > most / 2 && skipped > most / 5 && lit > most / 8,
+        visible > most / 2 && skipped > most / 8 && lit > most / 8,
         "the cases are about something"
     );
 }

@@ -7,7 +7,7 @@ use std::ops::{Add, Mul, Sub};
 
 use glam::{DAffine3, DVec3};
 
-use crate::scene::{ColorManagement, Interpolation};
+use crate::scene::Interpolation;
 use crate::volume::Volume;
 
 pub use filter::CubicKernel;
@@ -85,11 +85,12 @@ impl<'a> Field<'a> {
 
     /// Linear colour of the data at an index position inside the field: that of the nearest voxel, else the trilinear mixture,
     /// whatever kernel values have; `None` of data without colours.
+    #[cfg(feature = "reference")]
     pub(crate) fn color(
         &self,
         ix: DVec3,
         interpolation: Interpolation,
-        management: ColorManagement,
+        management: crate::scene::ColorManagement,
     ) -> Option<DVec3> {
         let colors = self.volume.colors()?;
         let voxel = |i, j, k| {

@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::error::{Error, Result};
 
 /// Largest width of a map, pixels.
+#[cfg(feature = "image-io")]
 const MAX_WIDTH: usize = 16_384;
 
 /// An equirectangular picture of linear radiance; rows from the upper edge, columns as [`super::Environment::path`] says.
@@ -61,6 +62,7 @@ impl EnvironmentMap {
 type Decoded = std::result::Result<([u32; 2], Vec<[f32; 3]>), String>;
 
 /// Claims are checked before pixels are decoded.
+#[cfg(feature = "image-io")]
 fn check_size(width: usize, height: usize) -> std::result::Result<(), String> {
     if width == 0 || height == 0 || width > MAX_WIDTH || height > MAX_WIDTH / 2 {
         return Err(format!(

@@ -74,10 +74,23 @@ impl Target {
     /// # Errors
     /// [`Error::Io`] or [`Error::Encode`], or as [`Backdrop::of`]; the file is then not there (or as it was before).
     pub fn write(&self, picture: &Picture, image: &Image, provenance: Provenance) -> Result<()> {
-        let backdrop = Backdrop::of(image)?;
+        self.write_over(&Backdrop::of(image)?, picture, image, provenance)
+    }
+
+    /// The same over a backdrop that is at hand: of many pictures it is read once.
+    ///
+    /// # Errors
+    /// [`Error::Io`] or [`Error::Encode`]; the file is then not there (or as it was before).
+    pub fn write_over(
+        &self,
+        backdrop: &Backdrop,
+        picture: &Picture,
+        image: &Image,
+        provenance: Provenance,
+    ) -> Result<()> {
         match self.format {
-            Format::Png => png::write(&self.path, picture, image, &backdrop, provenance),
-            Format::Exr => exr::write(&self.path, picture, &backdrop, provenance),
+            Format::Png => png::write(&self.path, picture, image, backdrop, provenance),
+            Format::Exr => exr::write(&self.path, picture, backdrop, provenance),
         }
     }
 }

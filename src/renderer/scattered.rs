@@ -133,7 +133,7 @@ impl Scattered {
     ) -> Result<()> {
         let eye = eye_of(rays);
         let variant = resources.variant;
-        if !self.prepared {
+        if iterating && !self.prepared {
             self.images.restart(context, "umbravox")?;
         }
         self.images.record(context, recorder, resources.phase)?;

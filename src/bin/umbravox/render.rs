@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use umbravox::headless::{Headless, Provenance, Session};
-use umbravox::output::{self, Target};
+use umbravox::output::{self, Backdrop, Target};
 use umbravox::scene::Scene;
 use umbravox::volume::Volume;
 use umbravox::{Error, Result};
@@ -36,9 +36,10 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
         places.push(place);
     }
     let volume = job.load()?;
+    let backdrop = Backdrop::of(&job.scene.image)?;
     let headless = Headless::new(&args.device.options())?;
     let mut session = headless.load(volume, &job.scene)?;
-    outputs.render(&mut session, &job)?;
+    outputs.render(&mut session, &job, &backdrop)?;
     check_validation(&headless)?;
     if let Some(path) = &args.stats {
         let stats = terminal::to_json(&stats_of(&mut session)?, &path.display().to_string())?;
@@ -169,7 +170,7 @@ impl Outputs {
         Ok(outputs)
     }
 
-    fn render(&self, session: &mut Session, job: &Job) -> Result<()> {
+    fn render(&self, session: &mut Session, job: &Job, backdrop: &Backdrop) -> Result<()> {
         let origin = job.provenance(session)?;
         let after = |directions: u32| Provenance {
             light_directions: directions,
@@ -183,7 +184,8 @@ impl Outputs {
             let picture = session.frame()?;
             let entries = after(directions).entries();
             self.series.iter().try_for_each(|series| {
-                output::write(&series.path(number), &picture, image, &entries)
+                let target = Target::new(series.path(number))?;
+                target.write_over(backdrop, &picture, image, &entries)
             })
         };
         let directions = job.light_directions(session);
@@ -206,6 +208,6 @@ impl Outputs {
         let entries = now.entries();
         self.pictures
             .iter()
-            .try_for_each(|target| target.write(&picture, image, &entries))
+            .try_for_each(|target| target.write_over(backdrop, &picture, image, &entries))
     }
 }

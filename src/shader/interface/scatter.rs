@@ -5,6 +5,20 @@ use crate::shader::GpuStruct as _;
 use crate::shader::generated::{self, *};
 use crate::shader::structs::ScatterPush;
 
+/// Of passes on the grid that know lights and phase function.
+const GRID_SPEC_IDS: &[u32] = &[
+    SPEC_INTERPOLATION,
+    SPEC_BLOCKS_APART,
+    SPEC_EMISSION,
+    SPEC_MANUAL_FILTER,
+    SPEC_UNIFORM_GRID,
+    SPEC_EXACT_BINS,
+    SPEC_LABELS,
+    SPEC_PHASE,
+    SPEC_GLOWS,
+    SPEC_ENVIRONMENT,
+];
+
 /// The medium, averaged over the cells of the grid of scattered light.
 pub const GRID_MEDIUM: PassInterface = PassInterface {
     module: &generated::GRID_MEDIUM,
@@ -51,18 +65,7 @@ pub const ORDINATES_SOURCE: PassInterface = PassInterface {
         storage_buffer(BINDING_RESIDUAL),
     ],
     push_constants: Some(ScatterPush::LAYOUT),
-    spec_ids: &[
-        SPEC_INTERPOLATION,
-        SPEC_BLOCKS_APART,
-        SPEC_EMISSION,
-        SPEC_MANUAL_FILTER,
-        SPEC_UNIFORM_GRID,
-        SPEC_EXACT_BINS,
-        SPEC_LABELS,
-        SPEC_PHASE,
-        SPEC_GLOWS,
-        SPEC_ENVIRONMENT,
-    ],
+    spec_ids: GRID_SPEC_IDS,
     local_size: [4, 4, 4],
 };
 
@@ -79,18 +82,7 @@ pub const ORDINATES_SWEEP: PassInterface = PassInterface {
         storage_image(BINDING_SOURCE_STORE, Access::Read),
     ],
     push_constants: Some(ScatterPush::LAYOUT),
-    spec_ids: &[
-        SPEC_INTERPOLATION,
-        SPEC_BLOCKS_APART,
-        SPEC_EMISSION,
-        SPEC_MANUAL_FILTER,
-        SPEC_UNIFORM_GRID,
-        SPEC_EXACT_BINS,
-        SPEC_LABELS,
-        SPEC_PHASE,
-        SPEC_GLOWS,
-        SPEC_ENVIRONMENT,
-    ],
+    spec_ids: GRID_SPEC_IDS,
     local_size: [8, 8, 1],
 };
 
@@ -133,18 +125,7 @@ pub const DIFFUSION_SOURCE: PassInterface = PassInterface {
         storage_image(BINDING_FLUENCE_STORE, Access::ReadWrite),
     ],
     push_constants: Some(ScatterPush::LAYOUT),
-    spec_ids: &[
-        SPEC_INTERPOLATION,
-        SPEC_BLOCKS_APART,
-        SPEC_EMISSION,
-        SPEC_MANUAL_FILTER,
-        SPEC_UNIFORM_GRID,
-        SPEC_EXACT_BINS,
-        SPEC_LABELS,
-        SPEC_PHASE,
-        SPEC_GLOWS,
-        SPEC_ENVIRONMENT,
-    ],
+    spec_ids: GRID_SPEC_IDS,
     local_size: [4, 4, 4],
 };
 
@@ -161,18 +142,7 @@ pub const DIFFUSION_RELAX: PassInterface = PassInterface {
         storage_buffer(BINDING_RESIDUAL),
     ],
     push_constants: Some(ScatterPush::LAYOUT),
-    spec_ids: &[
-        SPEC_INTERPOLATION,
-        SPEC_BLOCKS_APART,
-        SPEC_EMISSION,
-        SPEC_MANUAL_FILTER,
-        SPEC_UNIFORM_GRID,
-        SPEC_EXACT_BINS,
-        SPEC_LABELS,
-        SPEC_PHASE,
-        SPEC_GLOWS,
-        SPEC_ENVIRONMENT,
-    ],
+    spec_ids: GRID_SPEC_IDS,
     local_size: [4, 4, 4],
 };
 
@@ -188,18 +158,7 @@ pub const DIFFUSE_GATHER: PassInterface = PassInterface {
         storage_image(BINDING_SCATTERED_STORE, Access::Write),
     ],
     push_constants: Some(ScatterPush::LAYOUT),
-    spec_ids: &[
-        SPEC_INTERPOLATION,
-        SPEC_BLOCKS_APART,
-        SPEC_EMISSION,
-        SPEC_MANUAL_FILTER,
-        SPEC_UNIFORM_GRID,
-        SPEC_EXACT_BINS,
-        SPEC_LABELS,
-        SPEC_PHASE,
-        SPEC_GLOWS,
-        SPEC_ENVIRONMENT,
-    ],
+    spec_ids: GRID_SPEC_IDS,
     local_size: [4, 4, 4],
 };
 
@@ -217,17 +176,6 @@ pub const ZONAL: PassInterface = PassInterface {
         storage_buffer(BINDING_RESIDUAL),
     ],
     push_constants: Some(ScatterPush::LAYOUT),
-    spec_ids: &[
-        SPEC_INTERPOLATION,
-        SPEC_BLOCKS_APART,
-        SPEC_EMISSION,
-        SPEC_MANUAL_FILTER,
-        SPEC_UNIFORM_GRID,
-        SPEC_EXACT_BINS,
-        SPEC_LABELS,
-        SPEC_PHASE,
-        SPEC_GLOWS,
-        SPEC_ENVIRONMENT,
-    ],
+    spec_ids: GRID_SPEC_IDS,
     local_size: [8, 8, 1],
 };

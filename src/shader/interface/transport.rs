@@ -125,21 +125,6 @@ pub const PATHTRACE: PicturePasses = picture(
     PATHTRACE_SPEC_IDS,
 );
 
-/// Of passes that look at the medium without a camera.
-const MEDIUM_SPEC_IDS: &[u32] = &[
-    SPEC_INTERPOLATION,
-    SPEC_BLOCKS_APART,
-    SPEC_SKIPPING,
-    SPEC_EMISSION,
-    SPEC_MANUAL_FILTER,
-    SPEC_UNIFORM_GRID,
-    SPEC_EXACT_BINS,
-    SPEC_LABELS,
-    SPEC_PHASE,
-    SPEC_GLOWS,
-    SPEC_ENVIRONMENT,
-];
-
 /// One layer of a sweep of flux from a light.
 pub const SHADOW_SWEEP: PassInterface = PassInterface {
     module: &generated::SHADOW_SWEEP,
@@ -155,6 +140,18 @@ pub const SHADOW_SWEEP: PassInterface = PassInterface {
         storage_image(BINDING_SHADOW_STORE, Access::ReadWrite),
     ],
     push_constants: Some(SweepPush::LAYOUT),
-    spec_ids: MEDIUM_SPEC_IDS,
+    spec_ids: &[
+        SPEC_INTERPOLATION,
+        SPEC_BLOCKS_APART,
+        SPEC_SKIPPING,
+        SPEC_EMISSION,
+        SPEC_MANUAL_FILTER,
+        SPEC_UNIFORM_GRID,
+        SPEC_EXACT_BINS,
+        SPEC_LABELS,
+        SPEC_PHASE,
+        SPEC_GLOWS,
+        SPEC_ENVIRONMENT,
+    ],
     local_size: [8, 8, 1],
 };

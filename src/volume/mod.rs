@@ -18,6 +18,7 @@ pub mod statistics;
 mod summary;
 mod texel;
 mod thin;
+mod voxel_ranges;
 
 pub use color::linear_from_srgb;
 pub(crate) use fingerprint::hexadecimal;

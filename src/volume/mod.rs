@@ -25,6 +25,8 @@ pub(crate) use fingerprint::hexadecimal;
 pub use labels::{LabelIndices, LabelMap, MAX_LABELS};
 pub use metadata::{Content, Metadata};
 pub use summary::{HISTOGRAM_BINS, Histogram, Percentiles, Summary};
+pub(crate) use texel::{Voxel, with_typed};
+pub(crate) use voxel_ranges::Envelope;
 
 use std::sync::Arc;
 

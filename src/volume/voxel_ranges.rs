@@ -1,5 +1,6 @@
 //! Smallest and largest voxel of every skip cell and of every block, in one pass over the volume.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -53,39 +54,57 @@ fn cells_of<V: Voxel + PartialOrd>(voxels: &[V], size: [u32; 3]) -> Vec<[f32; 2]
     let [across, down, deep] = [width, height, depth].map(|n| (n - 1).div_ceil(step));
     let mut cells = vec![[0.0; 2]; across * down * deep];
     let rows = cells.par_chunks_mut(across).enumerate();
-    rows.for_each_init(
-        || (Vec::with_capacity(width), Vec::with_capacity(width)),
-        |(low, high), (cell, to)| {
-            let [y, z] = [cell % down, cell / down].map(|c| c * step);
-            let planes = z..=(z + step).min(depth - 1);
-            let mut rows = planes
-                .flat_map(|k| (y..=(y + step).min(height - 1)).map(move |j| j + height * k))
-                .map(|row| &voxels[row * width..][..width]);
-            low.clear();
-            high.clear();
-            let first = rows.next().unwrap_or_default();
-            low.extend_from_slice(first);
-            high.extend_from_slice(first);
-            for row in rows {
-                widen(low, high, row);
-            }
-            for (x, to) in to.iter_mut().enumerate() {
-                let voxels = x * step..=(x * step + step).min(width - 1);
-                *to = [
-                    pick(&low[voxels.clone()], |a, b| a < b),
-                    pick(&high[voxels], |a, b| a > b),
-                ];
-            }
-        },
-    );
+    rows.for_each_init(Envelope::default, |envelope, (cell, to)| {
+        let [y, z] = [cell % down, cell / down].map(|c| c * step);
+        let planes = z..=(z + step).min(depth - 1);
+        let rows = planes
+            .flat_map(|k| (y..=(y + step).min(height - 1)).map(move |j| j + height * k))
+            .map(|row| &voxels[row * width..][..width]);
+        envelope.enclose(rows);
+        for (x, to) in to.iter_mut().enumerate() {
+            *to = envelope.range(x * step..(x * step + step + 1).min(width));
+        }
+    });
     cells
 }
 
-/// Written so that compilers make vector code of it.
-fn widen<V: Voxel + PartialOrd>(low: &mut [V], high: &mut [V], row: &[V]) {
-    for ((low, high), &v) in low.iter_mut().zip(high).zip(row) {
-        *low = if v < *low { v } else { *low };
-        *high = if v > *high { v } else { *high };
+/// Smallest and largest of several rows of voxels, one by one.
+pub(crate) struct Envelope<V> {
+    low: Vec<V>,
+    high: Vec<V>,
+}
+
+impl<V> Default for Envelope<V> {
+    fn default() -> Self {
+        let [low, high] = [(); 2].map(|()| Vec::new());
+        Self { low, high }
+    }
+}
+
+impl<V: Voxel + PartialOrd> Envelope<V> {
+    /// Of rows of equal length.
+    pub(crate) fn enclose<'a>(&mut self, rows: impl IntoIterator<Item = &'a [V]>) {
+        let mut rows = rows.into_iter();
+        let first = rows.next().unwrap_or_default();
+        for end in [&mut self.low, &mut self.high] {
+            end.clear();
+            end.extend_from_slice(first);
+        }
+        for row in rows {
+            // Written so that compilers make vector code of it.
+            for ((low, high), &v) in self.low.iter_mut().zip(&mut self.high).zip(row) {
+                *low = if v < *low { v } else { *low };
+                *high = if v > *high { v } else { *high };
+            }
+        }
+    }
+
+    /// Smallest and largest voxel of some columns, at least one.
+    pub(crate) fn range(&self, columns: Range<usize>) -> [f32; 2] {
+        [
+            pick(&self.low[columns.clone()], |a, b| a < b),
+            pick(&self.high[columns], |a, b| a > b),
+        ]
     }
 }
 

@@ -1,11 +1,13 @@
 //! What the transfer function shows of the resident bricks.
 
+use crate::error::Result;
 use crate::scene::Interpolation;
 use crate::volume::blocks::{BLOCK_CELLS, BlockGrid, FINEST};
 use crate::volume::cells::{CellGrid, MAX_DISTANCE, Reach, SKIP_CELLS, chessboard_distance};
 use crate::volume::select::Classify as _;
 
 use super::light_work::LightWork;
+use super::lit_voxels::{LitVoxels, Occupancy};
 use super::residency::{Residency, Store};
 use super::{SampleScale, Shown};
 
@@ -18,28 +20,39 @@ pub(crate) struct Visibility {
 }
 
 impl Visibility {
-    /// `lit`: light is wanted.
+    /// `lit`: light is wanted, for samples so far from what shows something (see [`LitVoxels::new`]).
+    ///
+    /// # Errors
+    /// As [`LitVoxels::new`].
     pub(crate) fn new(
         store: &Store,
         residency: &Residency,
         shown: &Shown<'_>,
         interpolation: Interpolation,
-        lit: bool,
-    ) -> Self {
+        lit: Option<[u32; 3]>,
+    ) -> Result<Self> {
         let counts = residency.cells.counts();
         let visible = |range| shown.visible(range);
-        let occupancy = match Self::reach(residency, interpolation) {
+        let widened = Self::reach(residency, interpolation);
+        let occupancy = match widened {
             None => residency.cells.occupancy(visible),
             Some(reach) => residency.cells.widened(reach).occupancy(visible),
         };
-        let light = if lit {
-            LightWork::new(store.grid(), residency, counts, &occupancy)
-        } else {
-            LightWork::default()
+        let light = match lit {
+            None => LightWork::default(),
+            Some(reach) => {
+                let occupancy = Occupancy {
+                    counts,
+                    cells: &occupancy,
+                    widened: widened.is_some(),
+                };
+                let lit = LitVoxels::new(store, residency, shown, &occupancy, reach)?;
+                LightWork::new(store.grid(), residency, &occupancy, &lit)
+            }
         };
         let mut distances = chessboard_distance(counts, &occupancy);
         mark_whole_blocks(store.grid(), counts, &mut distances);
-        Self { distances, light }
+        Ok(Self { distances, light })
     }
 
     /// Value ranges of skip cells, for projections of values: `[least, largest]` texture samples of each.

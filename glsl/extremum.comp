@@ -63,6 +63,7 @@ void add(inout Found found, float value, Segment segment) {
 Found search(Ray ray, float shift) {
     Found found = Found(0.0, 0.0, 0u);
     uint count = segment_count(ray, shift);
+    Heading heading = heading_of(ray.step_ix);
     uint i = 0u;
     if (i < count) {
         do {
@@ -72,8 +73,8 @@ Found search(Ray ray, float shift) {
             do {
                 vec3 p_ix = ray_position(ray, segment_of(i, count, ray.extent, shift).middle, volume.field_ix);
                 b = brick_at(p_ix);
-                vec3 low_ix = vec3(skip_cell_of(p_ix) * SKIP_CELLS);
-                uint run = samples_before(steps_to_border(p_ix, ray.step_ix, low_ix, low_ix + float(SKIP_CELLS)));
+                vec3 border_ix = border_of(skip_cell_of(p_ix), 1.0, float(SKIP_CELLS), heading);
+                uint run = samples_before(steps_to_border(p_ix, heading, border_ix));
                 run_end = min(i + run, count);
                 passed = is_beaten(p_ix, found) || !b.resident;
                 i = passed ? run_end : i;

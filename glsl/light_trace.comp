@@ -79,6 +79,7 @@ vec4 light_along(vec3 p_ix, int level) {
 
     float longest_step = max(abs(step_ix.x), max(abs(step_ix.y), abs(step_ix.z)));
     Gathered g = Gathered(1.0, 0.0, 0.0, vec3(0.0), 0u);
+    uint shift = heading_of(step_ix).shift;
     uint inside = samples_inside(start_ix, step_ix, parts);
     uint m = 0u;
     if (m < inside) {
@@ -87,11 +88,11 @@ vec4 light_along(vec3 p_ix, int level) {
             do {
                 precise vec3 at_ix = start_ix + (float(m) + 0.5) * step_ix;
                 at_ix = clamp(at_ix, vec3(0.0), volume.field_ix);
-                uint distance = skip_distance(at_ix);
-                empty = distance > 0u || !brick_at(at_ix).resident;
-                // All within distance - 1 cells is empty too. (Where exactly the ray leaves that box is not worth finding out:
+                uint leap = leap_at(at_ix, shift);
+                empty = leap > 0u || !brick_at(at_ix).resident;
+                // The next leap - 1 cells are empty too. (Where exactly the ray leaves that box is not worth finding out:
                 // rays are short.)
-                float reach = float(max(int(distance) - 1, 0) * SKIP_CELLS);
+                float reach = float(max(int(leap) - 1, 0) * SKIP_CELLS);
                 uint run = uint(max(reach / longest_step, 1.0));
                 m += empty ? run : 0u;
             } while (empty && m < inside);

@@ -82,6 +82,7 @@ bool goes_on(Seen seen) {
 
 void march(inout Accumulated acc, inout Seen seen, Ray ray, float shift) {
     uint count = segment_count(ray, shift);
+    Heading heading = heading_of(ray.step_ix);
     uint i = 0u;
     if (i < count) {
         do {
@@ -90,8 +91,8 @@ void march(inout Accumulated acc, inout Seen seen, Ray ray, float shift) {
             uint run_end;
             do {
                 p_ix = ray_position(ray, segment_of(i, count, ray.extent, shift).middle, volume.field_ix);
-                Region region = region_at(p_ix, block_of(p_ix));
-                run_end = i + samples_before(steps_to_border(p_ix, ray.step_ix, region.low_ix, region.high_ix));
+                Region region = region_at(p_ix, block_of(p_ix), heading);
+                run_end = i + samples_before(steps_to_border(p_ix, heading, region.border_ix));
                 run_end = min(run_end, count);
                 empty = region.empty;
                 i = empty ? run_end : i;

@@ -17,6 +17,7 @@ void march_middles(inout Accumulated acc, Ray ray, float shift) {
     // The last segment is shorter and comes by itself after the loop, so that the loop needs no power function. Jittered
     // rays have a shorter first one too and take the exact path throughout.
     uint whole = count - min(count, 1u);
+    Heading heading = heading_of(ray.step_ix);
     uint i = 0u;
     if (i < whole) {
         do {
@@ -26,8 +27,8 @@ void march_middles(inout Accumulated acc, Ray ray, float shift) {
             uint run_end;
             do {
                 p_ix = ray_position(ray, segment_of(i, count, ray.extent, shift).middle, volume.field_ix);
-                Region region = region_at(p_ix, block_of(p_ix));
-                run_end = min(i + run_length(region, p_ix, ray.step_ix), whole);
+                Region region = region_at(p_ix, block_of(p_ix), heading);
+                run_end = min(i + run_length(region, p_ix, heading), whole);
                 empty = region.empty;
                 i = empty ? run_end : i;
             } while (empty && i < whole);

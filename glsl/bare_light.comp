@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // The bench's limit for light: as many samples for each sample of the light volume as a ray has parts, each one texture read
 // and one look-up of the transfer function.
 
@@ -19,7 +20,11 @@ void main() {
     if (gl_WorkGroupID.x >= push.count) {
         return;
     }
-    LightSample s = light_sample(work[push.first + gl_WorkGroupID.x], gl_LocalInvocationID);
+    uvec4 entry = work[push.first + gl_WorkGroupID.x];
+    if (!has_sample(entry, gl_LocalInvocationIndex)) {
+        return;
+    }
+    LightSample s = light_sample(entry, listed_sample(entry, gl_LocalInvocationIndex));
     uint parts = uint(push.parts);
     vec3 step_ix = push.direction_ix * ((push.radius_mm - push.offset_mm) / push.parts);
     vec3 start_ix = vec3(s.sample_at) + 0.5 + push.direction_ix * push.offset_mm + 0.5 * step_ix;

@@ -63,25 +63,33 @@ void add(inout Found found, float value, Segment segment) {
 Found search(Ray ray, float shift) {
     Found found = Found(0.0, 0.0, 0u);
     uint count = segment_count(ray, shift);
+    Heading heading = heading_of(ray.step_ix);
     uint i = 0u;
-    while (i < count) {
-        Segment segment = segment_of(i, count, ray.extent, shift);
-        vec3 p_ix = ray_position(ray, segment.middle, volume.field_ix);
-        Brick b = brick_at(p_ix);
-        vec3 low_ix = vec3(skip_cell_of(p_ix) * SKIP_CELLS);
-        uint run = samples_before(steps_to_border(p_ix, ray.step_ix, low_ix, low_ix + float(SKIP_CELLS)));
-        uint run_end = min(i + run, count);
-        if (is_beaten(p_ix, found) || !b.resident) {
-            i = run_end;
-            continue;
-        }
-        for (; i < run_end; ++i) {
-            segment = segment_of(i, count, ray.extent, shift);
-            p_ix = ray_position(ray, segment.middle, volume.field_ix);
-            if (!is_hidden(p_ix)) {
-                add(found, reconstruct(b, p_ix), segment);
+    if (i < count) {
+        do {
+            Brick b;
+            bool passed;
+            uint run_end;
+            do {
+                vec3 p_ix = ray_position(ray, segment_of(i, count, ray.extent, shift).middle, volume.field_ix);
+                b = brick_at(p_ix);
+                vec3 border_ix = border_of(skip_cell_of(p_ix), 1.0, float(SKIP_CELLS), heading);
+                uint run = samples_before(steps_to_border(p_ix, heading, border_ix));
+                run_end = min(i + run, count);
+                passed = is_beaten(p_ix, found) || !b.resident;
+                i = passed ? run_end : i;
+            } while (passed && i < count);
+            if (i < run_end) {
+                do {
+                    Segment segment = segment_of(i, count, ray.extent, shift);
+                    vec3 p_ix = ray_position(ray, segment.middle, volume.field_ix);
+                    if (!is_hidden(p_ix)) {
+                        add(found, reconstruct(b, p_ix), segment);
+                    }
+                    ++i;
+                } while (i < run_end);
             }
-        }
+        } while (i < count);
     }
     if (PROJECTION == MEAN) {
         found.value /= max(found.steps, 1e-30);

@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Light on the borders of bricks: samples that another brick computes are copied from it, and samples on the border of a
 // coarser brick follow its interpolation, so that light is continuous. One dispatch a level, coarsest first.
 

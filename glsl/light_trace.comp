@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Local ambient occlusion, eq. 1-5 of Hernell, Ljung and Ynnerman (2007): one direction for every sample of the light
 // volume that can be seen, as a running mean.
 
@@ -30,34 +31,44 @@ float step_growth(int level) {
     return (16.0 + resolution) / (2.0 * resolution);
 }
 
-// What a ray has gathered.
+// Samples of a run that starts where something shows; the same for all rays, so that neighbours stay in step.
+const uint LIGHT_RUN = 4u;
+
+// What a ray has gathered. Samples that found nothing are added up when the transparency changes, so that leaping over them and
+// visiting them give the same bits.
 struct Gathered {
     float transparency;
-    // Samples that found nothing are counted and added up when the transparency changes, so that leaping over them and
-    // visiting them give the same bits.
-    float pending;
-    float light;
+    float light;  // of the samples before `since`
+    float since;
     vec3 emitted;
     uint samples;
 };
 
-void gather(inout Gathered g, float opacity, vec3 emission) {
-    g.pending += 1.0;
+// Adds sample `m`.
+void gather(inout Gathered g, float m, float opacity, vec3 emission) {
+    g.samples += 1u;
     if (EMISSION) {
         precise vec3 emitted = g.emitted + g.transparency * emission;
         g.emitted = emitted;
     }
-    if (opacity > 0.0) {
-        precise float light = g.light + g.transparency * g.pending;
-        precise float transparency = g.transparency * (1.0 - opacity);
-        g.light = light;
-        g.transparency = transparency;
-        g.pending = 0.0;
-    }
+    bool shows = opacity > 0.0;
+    precise float light = g.light + g.transparency * (m + 1.0 - g.since);
+    precise float transparency = g.transparency * (1.0 - opacity);
+    g.light = shows ? light : g.light;
+    g.since = shows ? m + 1.0 : g.since;
+    g.transparency = transparency;
 }
 
-// Light from one direction: rgb with emission, a without; or how many samples that took. Outside the field nothing absorbs
-// or emits.
+// Samples of a ray that lie inside the field: beyond it nothing absorbs or emits. The ray starts in it, or its first sample may
+// lie outside already.
+uint samples_inside(vec3 start_ix, vec3 step_ix, uint parts) {
+    vec3 border = mix(vec3(0.0), volume.field_ix, greaterThan(step_ix, vec3(0.0)));
+    vec3 steps = mix((border - start_ix) / step_ix, vec3(FAR_STEPS), equal(step_ix, vec3(0.0)));
+    float inside = min(steps.x, min(steps.y, steps.z)) + 0.5;
+    return uint(clamp(inside, 0.0, float(parts)));
+}
+
+// Light from one direction: rgb with emission, a without; or how many samples that took.
 vec4 light_along(vec3 p_ix, int level) {
     float extent_mm = push.radius_mm - push.offset_mm;
     uint parts = uint(max(ceil(push.parts / step_growth(level) - 1e-4), 1.0));
@@ -68,37 +79,43 @@ vec4 light_along(vec3 p_ix, int level) {
 
     float longest_step = max(abs(step_ix.x), max(abs(step_ix.y), abs(step_ix.z)));
     Gathered g = Gathered(1.0, 0.0, 0.0, vec3(0.0), 0u);
+    uint shift = heading_of(step_ix).shift;
+    uint inside = samples_inside(start_ix, step_ix, parts);
     uint m = 0u;
-    while (m < parts && g.transparency >= DARK) {
-        precise vec3 sample_ix = start_ix + (float(m) + 0.5) * step_ix;
-        if (any(lessThan(sample_ix, vec3(0.0))) || any(greaterThan(sample_ix, volume.field_ix))) {
-            g.pending += 1.0;
-            ++m;
-            continue;
-        }
-        uint distance = skip_distance(sample_ix);
-        Brick brick = brick_at(sample_ix);
-        if (distance > 0u || !brick.resident) {
-            // All within distance - 1 cells is empty too. (Where exactly the ray leaves that box is not worth finding out:
-            // rays are short.)
-            float reach = float(max(int(distance) - 1, 0) * SKIP_CELLS);
-            uint run = min(uint(max(reach / longest_step, 1.0)), parts - m);
-            g.pending += float(run);
-            m += run;
-            continue;
-        }
-        g.samples += 1u;
-        Classified c = classify_light(reconstruct_linear(brick, brick_local(brick, sample_ix)), unit_exponent);
-        // Coarse bricks take longer samples than the table is made for.
-        float opacity = UNIFORM_GRID ? c.opacity : opacity_over(c.opacity, share);
-        bool hidden = is_hidden(sample_ix);
-        gather(g, hidden ? 0.0 : opacity, hidden ? vec3(0.0) : c.emission);
-        ++m;
+    if (m < inside) {
+        do {
+            bool empty;
+            do {
+                precise vec3 at_ix = start_ix + (float(m) + 0.5) * step_ix;
+                at_ix = clamp(at_ix, vec3(0.0), volume.field_ix);
+                uint leap = leap_at(at_ix, shift);
+                empty = leap > 0u || !brick_at(at_ix).resident;
+                // The next leap - 1 cells are empty too. (Where exactly the ray leaves that box is not worth finding out:
+                // rays are short.)
+                float reach = float(max(int(leap) - 1, 0) * SKIP_CELLS);
+                uint run = uint(max(reach / longest_step, 1.0));
+                m += empty ? run : 0u;
+            } while (empty && m < inside);
+            if (m < inside) {
+                uint run_end = min(m + LIGHT_RUN, inside);
+                do {
+                    precise vec3 at_ix = start_ix + (float(m) + 0.5) * step_ix;
+                    at_ix = clamp(at_ix, vec3(0.0), volume.field_ix);
+                    Brick brick = brick_at(at_ix);
+                    Classified c = classify_light(reconstruct_linear(brick, brick_local(brick, at_ix)), unit_exponent);
+                    // Coarse bricks take longer samples than the table is made for.
+                    float opacity = UNIFORM_GRID ? c.opacity : opacity_over(c.opacity, share);
+                    bool hidden = is_hidden(at_ix) || !brick.resident;
+                    gather(g, float(m), hidden ? 0.0 : opacity, hidden ? vec3(0.0) : c.emission);
+                    ++m;
+                } while (m < run_end && g.transparency >= DARK);
+            }
+        } while (m < inside && g.transparency >= DARK);
     }
     if (COUNT) {
         return vec4(float(g.samples));
     }
-    float light = g.light + g.transparency * g.pending;
+    float light = g.light + g.transparency * (float(parts) - g.since);
     return vec4(vec3(light) + g.emitted, light) / float(parts);
 }
 
@@ -106,7 +123,11 @@ void main() {
     if (gl_WorkGroupID.x >= push.count) {
         return;
     }
-    LightSample s = light_sample(work[push.first + gl_WorkGroupID.x], gl_LocalInvocationID);
+    uvec4 entry = work[push.first + gl_WorkGroupID.x];
+    if (!has_sample(entry, gl_LocalInvocationIndex)) {
+        return;
+    }
+    LightSample s = light_sample(entry, listed_sample(entry, gl_LocalInvocationIndex));
     Brick brick = brick_of(s.record);
     ivec3 last = ivec3(brick.intervals);
     if (any(greaterThan(s.local, last))) {

@@ -82,24 +82,30 @@ bool goes_on(Seen seen) {
 
 void march(inout Accumulated acc, inout Seen seen, Ray ray, float shift) {
     uint count = segment_count(ray, shift);
+    Heading heading = heading_of(ray.step_ix);
     uint i = 0u;
-    while (i < count && goes_on(seen)) {
-        vec3 p_ix;
-        bool empty;
-        uint run_end;
+    if (i < count) {
         do {
-            p_ix = ray_position(ray, segment_of(i, count, ray.extent, shift).middle, volume.field_ix);
-            Region region = region_at(p_ix, block_of(p_ix));
-            run_end = i + samples_before(steps_to_border(p_ix, ray.step_ix, region.low_ix, region.high_ix));
-            run_end = min(run_end, count);
-            empty = region.empty;
-            i = empty ? run_end : i;
-        } while (empty && i < count);
-        Brick b = brick_at(p_ix);
-        i = b.resident ? i : run_end;
-        for (; i < run_end && goes_on(seen); ++i) {
-            add_segment(acc, seen, ray, b, segment_of(i, count, ray.extent, shift));
-        }
+            vec3 p_ix;
+            bool empty;
+            uint run_end;
+            do {
+                p_ix = ray_position(ray, segment_of(i, count, ray.extent, shift).middle, volume.field_ix);
+                Region region = region_at(p_ix, block_of(p_ix), heading);
+                run_end = i + samples_before(steps_to_border(p_ix, heading, region.border_ix));
+                run_end = min(run_end, count);
+                empty = region.empty;
+                i = empty ? run_end : i;
+            } while (empty && i < count);
+            Brick b = brick_at(p_ix);
+            i = b.resident ? i : run_end;
+            if (i < run_end) {
+                do {
+                    add_segment(acc, seen, ray, b, segment_of(i, count, ray.extent, shift));
+                    ++i;
+                } while (i < run_end && goes_on(seen));
+            }
+        } while (i < count && goes_on(seen));
     }
 }
 

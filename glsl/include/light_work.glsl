@@ -2,8 +2,8 @@
 // Includes volume.glsl first.
 
 layout(set = 0, binding = BINDING_BRICKS, std430) readonly buffer BrickTable { BrickRecord bricks[]; };
-// Each entry: index into the brick table; group inside the brick, 8 bits an axis.
-layout(set = 0, binding = BINDING_WORK, std430) readonly buffer WorkList { uvec2 work[]; };
+// Each entry: index into the brick table; group inside the brick, 8 bits an axis; the samples that are needed, a bit each.
+layout(set = 0, binding = BINDING_WORK, std430) readonly buffer WorkList { uvec4 work[]; };
 
 const uint GROUP_SIZE = 4u;
 
@@ -13,7 +13,35 @@ struct LightSample {
     ivec3 local;      // sample inside the brick
 };
 
-LightSample light_sample(uvec2 entry, uvec3 lane) {
+// Place of the `n`th bit that is set of 64.
+uint nth_bit(uvec2 bits, uint n) {
+    uint below = bitCount(bits.x);
+    bool upper = n >= below;
+    uint word = upper ? bits.y : bits.x;
+    n -= upper ? below : 0u;
+    uint place = upper ? 32u : 0u;
+    [[unroll]] for (uint width = 16u; width > 0u; width >>= 1) {
+        below = bitCount(word & ((1u << width) - 1u));
+        upper = n >= below;
+        word = upper ? word >> width : word;
+        n -= upper ? below : 0u;
+        place += upper ? width : 0u;
+    }
+    return place;
+}
+
+// True when an entry has samples for so many lanes and one more.
+bool has_sample(uvec4 entry, uint lane) {
+    return lane < bitCount(entry.z) + bitCount(entry.w);
+}
+
+// The sample that a lane computes; needed ones come first, so that no lane among them is idle.
+uvec3 listed_sample(uvec4 entry, uint lane) {
+    uint at = nth_bit(entry.zw, lane);
+    return uvec3(at, at / GROUP_SIZE, at / (GROUP_SIZE * GROUP_SIZE)) % GROUP_SIZE;
+}
+
+LightSample light_sample(uvec4 entry, uvec3 lane) {
     LightSample s;
     s.record = bricks[entry.x];
     uvec3 group = uvec3(entry.y & 255u, (entry.y >> 8) & 255u, entry.y >> 16);

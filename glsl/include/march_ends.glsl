@@ -27,33 +27,37 @@ void march_ends(inout Accumulated acc, Ray ray, float shift) {
     uint count = segment_count(ray, shift);
     uint whole = count - min(count, 1u);
     uint i = 0u;
-    while (i < whole && acc.opacity < frame.early_termination) {
-        EndsRun run = next_run(ray, i, count, shift);
-        run.end = min(run.end, whole);
-        i = run.first;
-        vec3 front_ix = node_position(ray, i, count, shift);
-        Node front = node_at(front_ix, brick_at(front_ix));
-        while (i < run.end && acc.opacity < frame.early_termination) {
-            Node back;
-            Classified c;
-            bool more;
-            do {
-                back = node_at(node_position(ray, i + 1u, count, shift), front.brick);
-                c = classify_between(ray, front, back, i, count, shift);
-                more = is_searched() && c.opacity == 0.0 && i + 1u < run.end;
-                acc.samples += uint(more);
-                i += uint(more);
-                if (more) {
+    if (i < whole) {
+        do {
+            EndsRun run = next_run(ray, i, count, shift);
+            run.end = min(run.end, whole);
+            i = run.first;
+            if (i < run.end) {
+                vec3 front_ix = node_position(ray, i, count, shift);
+                Node front = node_at(front_ix, brick_at(front_ix));
+                do {
+                    Node back;
+                    Classified c;
+                    bool more;
+                    do {
+                        back = node_at(node_position(ray, i + 1u, count, shift), front.brick);
+                        c = classify_between(ray, front, back, i, count, shift);
+                        more = is_searched() && c.opacity == 0.0 && i + 1u < run.end;
+                        acc.samples += uint(more);
+                        i += uint(more);
+                        if (more) {
+                            front = back;
+                        }
+                    } while (more);
+                    Segment segment = segment_of(i, count, ray.extent, shift);
+                    c.opacity = JITTER ? opacity_over(c.opacity, segment.extent) : c.opacity;
+                    Brick b = brick_near(ray_position(ray, segment.middle, volume.field_ix), back.brick);
+                    add_segment(acc, ray, b, segment, c);
                     front = back;
-                }
-            } while (more);
-            Segment segment = segment_of(i, count, ray.extent, shift);
-            c.opacity = JITTER ? opacity_over(c.opacity, segment.extent) : c.opacity;
-            Brick b = brick_near(ray_position(ray, segment.middle, volume.field_ix), back.brick);
-            add_segment(acc, ray, b, segment, c);
-            front = back;
-            ++i;
-        }
+                    ++i;
+                } while (i < run.end && acc.opacity < frame.early_termination);
+            }
+        } while (i < whole && acc.opacity < frame.early_termination);
     }
     if (count > 0u && acc.opacity < frame.early_termination) {
         Segment last = segment_of(whole, count, ray.extent, shift);

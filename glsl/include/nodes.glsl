@@ -18,13 +18,14 @@ struct EndsRun {
 EndsRun next_run(Ray ray, uint i, uint count, float shift) {
     vec3 reach = abs(ray.step_ix);
     bool sharing = UNIFORM_GRID && max(reach.x, max(reach.y, reach.z)) < float(SKIP_CELLS);
+    Heading heading = heading_of(ray.step_ix);
     bool ahead = false;  // node i comes after an empty box and is not known to lie in one
     uint inside;
     uint leap;
     do {
         vec3 p_ix = node_position(ray, i, count, shift);
-        Region region = region_at(p_ix, block_of(p_ix));
-        inside = run_length(region, p_ix, ray.step_ix);
+        Region region = region_at(p_ix, block_of(p_ix), heading);
+        inside = run_length(region, p_ix, heading);
         leap = region.empty ? min(sharing ? inside : inside - 1u, count - i) : 0u;
         ahead = leap > 0u ? sharing && leap == inside : ahead;
         i += leap;

@@ -9,12 +9,13 @@ float optical_depth_along(vec3 p_ix, vec3 d_ix, float length_mm) {
     uint count = uint(ceil(reach / medium.sample_mm - 1e-4));
     float part_mm = reach / float(max(count, 1u));
     vec3 step_ix = d_ix * part_mm;
+    Heading heading = heading_of(step_ix);
     float sum = 0.0;
     uint i = 0u;
     while (i < count) {
         vec3 at = clamp(p_ix + (float(i) + 0.5) * step_ix, vec3(0.0), volume.field_ix);
-        Region region = region_at(at, block_of(at));
-        uint ahead = max(samples_before(steps_to_border(at, step_ix, region.low_ix, region.high_ix)), 1u);
+        Region region = region_at(at, block_of(at), heading);
+        uint ahead = max(samples_before(steps_to_border(at, heading, region.border_ix)), 1u);
         if (region.empty) {
             i += ahead;
         } else {

@@ -1,5 +1,4 @@
-// Empty-space skipping: for each skip cell, 0 where the transfer function shows something, else the chessboard distance
-// in cells to the nearest such cell. WHOLE_BLOCK is a 0 whose whole block is 0.
+// Empty-space skipping: for each skip cell and octant of directions, how many cells a ray may leap (src/volume/leaps.rs).
 
 layout(constant_id = SPEC_SKIPPING) const bool SKIPPING = true;
 
@@ -10,7 +9,8 @@ layout(set = 0, binding = BINDING_SKIP) uniform usampler3D t_skip;
 const float MARGIN_STEPS = 0.02;
 const float MARGIN_IX = 1e-3;
 
-const uint WHOLE_BLOCK = 255u;
+// What a cell holds that shows something, as all of its block does; 0: not all of the block.
+const uint WHOLE_BLOCK = 1u;
 
 const float FAR_STEPS = 3.0e38;
 
@@ -18,12 +18,36 @@ ivec3 skip_cell_of(vec3 p_ix) {
     return min(ivec3(p_ix) / SKIP_CELLS, volume.skip_extent - 1);
 }
 
-// Steps from `p_ix` along `d_ix` (index units per step) to the border of the box [low_ix, high_ix] that contains it, or
-// to just before it.
-float steps_to_border(vec3 p_ix, vec3 d_ix, vec3 low_ix, vec3 high_ix) {
-    vec3 border = mix(low_ix + MARGIN_IX, high_ix - MARGIN_IX, greaterThan(d_ix, vec3(0.0)));
-    vec3 steps = mix((border - p_ix) / d_ix, vec3(FAR_STEPS), equal(d_ix, vec3(0.0)));
+// What skipping needs to know of a ray's direction; the same all along the ray.
+struct Heading {
+    vec3 steps_per_ix;
+    bvec3 still;       // axes along which nothing moves
+    vec3 ahead;        // 1 for axes along which the ray ascends, else 0
+    uint shift;        // of its octant's bits
+};
+
+// `d_ix`: index units per step.
+Heading heading_of(vec3 d_ix) {
+    Heading h;
+    h.steps_per_ix = 1.0 / d_ix;
+    h.still = equal(d_ix, vec3(0.0));
+    bvec3 descends = lessThan(d_ix, vec3(0.0));
+    h.ahead = mix(vec3(1.0), vec3(0.0), descends);
+    uvec3 bits = uvec3(descends);
+    h.shift = 4u * (bits.x + 2u * bits.y + 4u * bits.z);
+    return h;
+}
+
+// Steps from `p_ix` to just before the planes `border_ix`, one on each axis, whichever comes first.
+float steps_to_border(vec3 p_ix, Heading h, vec3 border_ix) {
+    vec3 before = border_ix - MARGIN_IX * (2.0 * h.ahead - 1.0);
+    vec3 steps = mix((before - p_ix) * h.steps_per_ix, vec3(FAR_STEPS), h.still);
     return min(steps.x, min(steps.y, steps.z));
+}
+
+// The planes by which a ray leaves so many cells of an edge of `size_ix`, that of `cell` included.
+vec3 border_of(ivec3 cell, float count, float size_ix, Heading h) {
+    return (vec3(cell) + mix(vec3(1.0 - count), vec3(count), h.ahead)) * size_ix;
 }
 
 // Samples, this one included, that surely lie before `steps` from here; at least 1.
@@ -31,21 +55,26 @@ uint samples_before(float steps) {
     return uint(clamp(ceil(steps - MARGIN_STEPS), 1.0, 1.0e9));
 }
 
-// Chessboard distance to the nearest cell that shows something, in cells; 0: this one does.
-uint skip_distance(vec3 p_ix) {
-    uint distance = 0u;
-    if (SKIPPING) {
-        distance = texelFetch(t_skip, skip_cell_of(p_ix), 0).r;
-        distance = distance == WHOLE_BLOCK ? 0u : distance;
-    }
-    return distance;
+// Cells that a ray may leap, that of `p_ix` included; 0: something shows there.
+uint leap_from(uint word, uint shift) {
+    uint code = (word >> shift) & 15u;
+    uint leap = code < 4u ? code : (4u + (code & 3u)) << (code / 4u - 1u);
+    return word <= WHOLE_BLOCK ? 0u : leap;
 }
 
-// What a ray meets at a point, and the box in which it goes on like that.
+uint leap_at(vec3 p_ix, uint shift) {
+    uint leap = 0u;
+    if (SKIPPING) {
+        leap = leap_from(texelFetch(t_skip, skip_cell_of(p_ix), 0).r, shift);
+    }
+    return leap;
+}
+
+// What a ray meets at a point, and the planes up to which it goes on like that.
 struct Region {
     bool empty;
-    vec3 low_ix;
-    vec3 high_ix;
+    bool whole_block;  // every cell of it shows something
+    vec3 border_ix;
 };
 
 // Samples of a run that starts where something shows, where the atlas is the volume and no border of a block ends it; and in a block
@@ -54,29 +83,29 @@ struct Region {
 const uint RUN = 8u;
 const uint RUN_IN_WHOLE_BLOCK = 32u;
 
-// Samples that a run from `p_ix` takes, or leaps over; `d_ix`: index units per step.
-uint run_length(Region r, vec3 p_ix, vec3 d_ix) {
-    uint inside = samples_before(steps_to_border(p_ix, d_ix, r.low_ix, r.high_ix));
+// Samples that a run from `p_ix` takes, or leaps over.
+uint run_length(Region r, vec3 p_ix, Heading h) {
+    uint inside = samples_before(steps_to_border(p_ix, h, r.border_ix));
     if (UNIFORM_GRID) {
-        uint run = r.high_ix.x - r.low_ix.x < float(BLOCK_CELLS) ? RUN : RUN_IN_WHOLE_BLOCK;
+        uint run = r.whole_block ? RUN_IN_WHOLE_BLOCK : RUN;
         inside = r.empty ? inside : run;
     }
     return inside;
 }
 
-Region region_at(vec3 p_ix, ivec3 block_bx) {
+Region region_at(vec3 p_ix, ivec3 block_bx, Heading h) {
     Region r;
     r.empty = false;
-    r.low_ix = vec3(block_bx * BLOCK_CELLS);
-    r.high_ix = r.low_ix + float(BLOCK_CELLS);
+    r.whole_block = true;
+    r.border_ix = border_of(block_bx, 1.0, float(BLOCK_CELLS), h);
     if (SKIPPING) {
         ivec3 cell = skip_cell_of(p_ix);
-        uint distance = texelFetch(t_skip, cell, 0).r;
-        if (distance != WHOLE_BLOCK) {
-            r.empty = distance > 0u;
-            int reach = max(int(distance), 1);
-            r.low_ix = vec3((cell - reach + 1) * SKIP_CELLS);
-            r.high_ix = vec3((cell + reach) * SKIP_CELLS);
+        uint word = texelFetch(t_skip, cell, 0).r;
+        if (word != WHOLE_BLOCK) {
+            uint leap = leap_from(word, h.shift);
+            r.empty = leap > 0u;
+            r.whole_block = false;
+            r.border_ix = border_of(cell, float(max(leap, 1u)), float(SKIP_CELLS), h);
         }
     }
     return r;

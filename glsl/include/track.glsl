@@ -11,13 +11,14 @@ layout(set = 0, binding = BINDING_MAJORANT) uniform sampler3D t_majorant;
 struct Flight {
     vec3 origin_ix;
     vec3 d_ix;       // index units per mm
+    Heading heading;
     float at_mm;
     float reach_mm;
 };
 
 Flight flight_from(vec3 p_ix, vec3 direction_ws, float length_mm) {
     vec3 d_ix = ix_from_direction(direction_ws);
-    return Flight(p_ix, d_ix, 0.0, min(distance_to_exit(p_ix, d_ix), length_mm));
+    return Flight(p_ix, d_ix, heading_of(d_ix), 0.0, min(distance_to_exit(p_ix, d_ix), length_mm));
 }
 
 vec3 flight_position(Flight flight) {
@@ -44,15 +45,11 @@ float next_collision(inout Flight flight, inout Random random) {
         float ahead = flight.reach_mm - flight.at_mm;
         if (!is_global()) {
             ivec3 cell = skip_cell_of(p_ix);
-            uint distance = texelFetch(t_skip, cell, 0).r;
-            int reach = distance == WHOLE_BLOCK ? 1 : max(int(distance), 1);
-            vec3 low = vec3((cell - reach + 1) * SKIP_CELLS);
-            vec3 high = vec3((cell + reach) * SKIP_CELLS);
-            bool empty = distance > 0u && distance != WHOLE_BLOCK;
-            majorant = empty ? 0.0 : max(texelFetch(t_majorant, cell, 0).r, medium.tracking.y);
+            uint leap = leap_from(texelFetch(t_skip, cell, 0).r, flight.heading.shift);
+            majorant = leap > 0u ? 0.0 : max(texelFetch(t_majorant, cell, 0).r, medium.tracking.y);
             // To the border and, whatever the size of the numbers, a little beyond it.
-            vec3 border = mix(low, high, greaterThan(flight.d_ix, vec3(0.0)));
-            vec3 to_border = mix((border - p_ix) / flight.d_ix, vec3(3.0e38), equal(flight.d_ix, vec3(0.0)));
+            vec3 border = border_of(cell, float(max(leap, 1u)), float(SKIP_CELLS), flight.heading);
+            vec3 to_border = mix((border - p_ix) * flight.heading.steps_per_ix, vec3(FAR_STEPS), flight.heading.still);
             float inside = max(min(to_border.x, min(to_border.y, to_border.z)), 0.0);
             ahead = min(ahead, inside + max(least_mm, 4e-7 * (flight.at_mm + inside)));
         }

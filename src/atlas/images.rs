@@ -22,7 +22,7 @@ pub(crate) struct Images {
     pub(crate) atlas: Image,
     /// Block to place and level: RGBA, texel origin and level + 1; 0 for none.
     pub(crate) index: Image,
-    /// Skip distances.
+    /// Leaps through skip cells.
     pub(crate) skip: Image,
     /// Colours of the data, where they are drawn.
     pub(crate) color: Option<ColorAtlas>,
@@ -104,7 +104,7 @@ impl Images {
             skip: volume_image(
                 "skip",
                 residency.cells.counts(),
-                vk::Format::R8_UINT,
+                vk::Format::R32_UINT,
                 sampled,
             )?,
             transfer: Image::new(

@@ -1,9 +1,10 @@
 //! Which samples of the light volume are computed, and by whom.
 //!
-//! Light is needed where the march can see it: at samples whose reconstruction reaches a visible skip cell. Groups of 4^3
-//! samples are the unit of work; the list of groups with the table of bricks is the reverse index, atlas to volume, of
-//! Hernell et al. (there a texture with one texel for 4^3 voxels of the atlas). Differs from the paper: bricks of 1^3 and
-//! 2^3 voxels take part where they can be seen.
+//! Light is needed where the march can see it ([`LitVoxels`]). Groups of 4^3 samples are the unit of work, each with a bit for every
+//! sample that is needed; the list of groups with the table of bricks is the reverse index, atlas to volume, of Hernell et
+//! al. (there a texture with one texel for 4^3 voxels of the atlas). Differs from the paper: bricks of 1^3 and 2^3 voxels take
+//! part where they can be seen. Where bricks do not share their samples, those on borders are all computed next to a visible skip
+//! cell: neighbours follow them.
 
 use rayon::prelude::*;
 
@@ -11,13 +12,18 @@ use crate::shader::structs::BrickRecord;
 use crate::volume::blocks::{BLOCK_CELLS, BlockGrid, LEVELS};
 use crate::volume::cells::SKIP_CELLS;
 
+use super::lit_voxels::{LitVoxels, Occupancy};
 use super::residency::Residency;
 
 /// Samples of a group on each axis.
 pub(crate) const GROUP: u32 = 4;
 
-/// Index into the table of bricks; group inside the brick, 8 bits an axis.
-pub(crate) type WorkEntry = [u32; 2];
+/// Index into the table of bricks; group inside the brick, 8 bits an axis; the samples, a bit each, x fastest.
+pub(crate) type WorkEntry = [u32; 4];
+
+fn entry(brick: usize, group: u32, samples: u64) -> WorkEntry {
+    [brick as u32, group, samples as u32, (samples >> 32) as u32]
+}
 
 /// Work lists of the light passes; empty when there is no light.
 #[derive(Default)]
@@ -38,23 +44,23 @@ pub(crate) struct LightWork {
 struct BrickWork {
     block: usize,
     level: u8,
-    trace: Vec<u32>,
-    seam: Vec<u32>,
+    trace: Vec<(u32, u64)>,
+    seam: Vec<(u32, u64)>,
 }
 
 impl LightWork {
-    /// `occupancy` tells for each skip cell, x fastest, whether it is visible (not 0).
+    /// What of the bricks is lit.
     pub(crate) fn new(
         grid: &BlockGrid,
         residency: &Residency,
-        counts: [u32; 3],
-        occupancy: &[u8],
+        occupancy: &Occupancy<'_>,
+        lit: &LitVoxels,
     ) -> Self {
         let finder = GroupFinder {
             grid,
             residency,
-            counts,
             occupancy,
+            lit,
         };
         let work: Vec<BrickWork> = (0..grid.len())
             .into_par_iter()
@@ -78,9 +84,11 @@ impl LightWork {
                 pad0: 0,
             });
             lists.blocks.push(w.block);
-            lists
-                .trace
-                .extend(w.trace.iter().map(|&group| [index as u32, group]));
+            lists.trace.extend(
+                w.trace
+                    .iter()
+                    .map(|&(group, samples)| entry(index, group, samples)),
+            );
         }
         for level in 0..LEVELS {
             for (index, w) in work
@@ -88,26 +96,35 @@ impl LightWork {
                 .enumerate()
                 .filter(|(_, w)| usize::from(w.level) == level)
             {
-                lists
-                    .seam
-                    .extend(w.seam.iter().map(|&group| [index as u32, group]));
+                lists.seam.extend(
+                    w.seam
+                        .iter()
+                        .map(|&(group, samples)| entry(index, group, samples)),
+                );
             }
             lists.seam_levels[level + 1] = lists.seam.len();
         }
         lists
     }
 
-    /// Group coordinates of an entry.
-    pub(crate) fn group(packed: u32) -> [u32; 3] {
-        [packed & 255, (packed >> 8) & 255, packed >> 16]
+    /// Group coordinates of an entry, and its samples.
+    pub(crate) fn group(&[_, packed, low, high]: &WorkEntry) -> ([u32; 3], u64) {
+        let group = [packed & 255, (packed >> 8) & 255, packed >> 16];
+        (group, u64::from(low) | u64::from(high) << 32)
+    }
+
+    /// Samples that are traced.
+    pub(crate) fn samples(&self) -> u64 {
+        let samples = |entry| u64::from(Self::group(entry).1.count_ones());
+        self.trace.iter().map(samples).sum()
     }
 }
 
 struct GroupFinder<'a> {
     grid: &'a BlockGrid,
     residency: &'a Residency,
-    counts: [u32; 3],
-    occupancy: &'a [u8],
+    occupancy: &'a Occupancy<'a>,
+    lit: &'a LitVoxels,
 }
 
 impl GroupFinder<'_> {
@@ -133,7 +150,14 @@ impl GroupFinder<'_> {
             for y in 0..groups[1] {
                 for x in 0..groups[0] {
                     let group = [x, y, z];
-                    if !self.needed(block, intervals, group) {
+                    let mut samples = self.lit_samples(block, intervals, group);
+                    let border = if !shared && self.is_near_visible(block, intervals, group) {
+                        border_samples(intervals, group)
+                    } else {
+                        0
+                    };
+                    samples |= border;
+                    if samples == 0 {
                         continue;
                     }
                     let packed = x | y << 8 | z << 16;
@@ -142,13 +166,13 @@ impl GroupFinder<'_> {
                     let computed_elsewhere = (0..3)
                         .any(|a| group[a] * GROUP == intervals[a] && around.next_not_finer[a]);
                     if !computed_elsewhere {
-                        work.trace.push(packed);
+                        work.trace.push((packed, samples));
                     }
                     let reaches_end = (0..3).any(|a| group[a] * GROUP + GROUP > intervals[a]);
                     let on_border = reaches_end || group.contains(&0);
-                    if !shared && ((reaches_end && around.any) || (on_border && around.any_coarser))
-                    {
-                        work.seam.push(packed);
+                    let follows = (reaches_end && around.any) || (on_border && around.any_coarser);
+                    if border != 0 && follows {
+                        work.seam.push((packed, border));
                     }
                 }
             }
@@ -182,8 +206,30 @@ impl GroupFinder<'_> {
         around
     }
 
+    /// The samples of a group that are lit.
+    fn lit_samples(&self, block: usize, intervals: [u32; 3], group: [u32; 3]) -> u64 {
+        let base = self.grid.origin_ix(block);
+        let cells = self.grid.cells(block);
+        samples_where(intervals, group, |sample| {
+            let voxel = |a: usize, sample: i64| {
+                let [cells, intervals] = [cells[a], intervals[a]].map(i64::from);
+                (sample * cells, intervals)
+            };
+            // What is strictly nearer than the next sample on either side; at the finest level, the voxel itself.
+            let low = std::array::from_fn(|a| {
+                let (at, of) = voxel(a, i64::from(sample[a]) - 1);
+                i64::from(base[a]) + at.div_euclid(of) + 1
+            });
+            let high = std::array::from_fn(|a| {
+                let (at, of) = voxel(a, i64::from(sample[a]) + 1);
+                i64::from(base[a]) + (at - 1).div_euclid(of)
+            });
+            self.lit.any(low, high)
+        })
+    }
+
     /// True when a visible skip cell lies where the samples of a group have weight.
-    fn needed(&self, block: usize, intervals: [u32; 3], group: [u32; 3]) -> bool {
+    fn is_near_visible(&self, block: usize, intervals: [u32; 3], group: [u32; 3]) -> bool {
         let base = self.grid.origin_ix(block);
         let cells = self.grid.cells(block);
         let ranges: [std::ops::Range<u32>; 3] = std::array::from_fn(|a| {
@@ -194,18 +240,36 @@ impl GroupFinder<'_> {
             // Rounding of the stride must not lose a cell.
             let low = (at(first) - 1e-9).floor().max(0.0) as u32;
             let high = (at(last) + 1e-9).ceil() as u32;
-            low..high.min(self.counts[a])
+            low..high.min(self.occupancy.counts[a])
         });
-        let [width, height, _] = self.counts.map(|n| n as usize);
+        let [width, height, _] = self.occupancy.counts.map(|n| n as usize);
         ranges[2].clone().any(|z| {
             ranges[1].clone().any(|y| {
                 let row = width * (y as usize + height * z as usize);
-                self.occupancy[row + ranges[0].start as usize..row + ranges[0].end as usize]
+                self.occupancy.cells[row + ranges[0].start as usize..row + ranges[0].end as usize]
                     .iter()
                     .any(|&o| o != 0)
             })
         })
     }
+}
+
+/// A bit for each sample of a group that exists and for which `holds`; x fastest.
+fn samples_where(intervals: [u32; 3], group: [u32; 3], holds: impl Fn([u32; 3]) -> bool) -> u64 {
+    (0..GROUP.pow(3))
+        .filter(|bit| {
+            let inside = [bit % GROUP, bit / GROUP % GROUP, bit / GROUP.pow(2)];
+            let sample: [u32; 3] = std::array::from_fn(|a| group[a] * GROUP + inside[a]);
+            (0..3).all(|a| sample[a] <= intervals[a]) && holds(sample)
+        })
+        .fold(0, |bits, bit| bits | 1 << bit)
+}
+
+/// Those on the border of the brick.
+fn border_samples(intervals: [u32; 3], group: [u32; 3]) -> u64 {
+    samples_where(intervals, group, |sample| {
+        (0..3).any(|a| sample[a] == 0 || sample[a] == intervals[a])
+    })
 }
 
 /// The resident blocks around one.

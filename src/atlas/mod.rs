@@ -8,6 +8,7 @@ mod colors;
 mod images;
 mod labels;
 mod light_work;
+mod lit_voxels;
 mod majorant;
 mod medium;
 mod preintegration;

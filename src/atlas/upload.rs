@@ -81,7 +81,7 @@ impl Uploads {
             residency,
             table,
             lengths,
-            distances,
+            leaps,
         } = *resources;
         let mut uploaded = 0;
         if self.next == 0 && !residency.layout.is_grid() {
@@ -112,7 +112,7 @@ impl Uploads {
                 context,
                 recorder,
                 "umbravox.upload.skip",
-                distances,
+                bytemuck::cast_slice(leaps),
                 &images.skip,
             )?;
             self.skip = false;
@@ -277,7 +277,7 @@ pub(crate) struct UploadResources<'a> {
     pub(crate) residency: &'a Residency,
     pub(crate) table: &'a TransferTable,
     pub(crate) lengths: SampleLengths,
-    pub(crate) distances: &'a [u8],
+    pub(crate) leaps: &'a [u32],
 }
 
 fn staging(context: &Arc<Context>, name: &str, bytes: &[u8]) -> Result<Buffer> {

@@ -1,45 +1,58 @@
 //! What the transfer function shows of the resident bricks.
 
+use crate::error::Result;
 use crate::scene::Interpolation;
 use crate::volume::blocks::{BLOCK_CELLS, BlockGrid, FINEST};
-use crate::volume::cells::{CellGrid, MAX_DISTANCE, Reach, SKIP_CELLS, chessboard_distance};
+use crate::volume::cells::{CellGrid, Reach, SKIP_CELLS};
+use crate::volume::leaps::octant_leaps;
 use crate::volume::select::Classify as _;
 
 use super::light_work::LightWork;
+use super::lit_voxels::{LitVoxels, Occupancy};
 use super::residency::{Residency, Store};
 use super::{SampleScale, Shown};
 
-/// Skip distances, and the samples of the light volume that can be seen.
+/// Leaps through empty space, and the samples of the light volume that can be seen.
 pub(crate) struct Visibility {
-    /// By skip cell: 0 where something shows, else the chessboard distance to the nearest such cell; 255 for a 0 whose
-    /// whole block is 0, so that rays cross it in one run.
-    pub(crate) distances: Vec<u8>,
+    /// By skip cell: see [`octant_leaps`]; [`WHOLE_BLOCK`] for a 0 whose whole block is 0.
+    pub(crate) leaps: Vec<u32>,
     pub(crate) light: LightWork,
 }
 
 impl Visibility {
-    /// `lit`: light is wanted.
+    /// `lit`: light is wanted, for samples so far from what shows something (see [`LitVoxels::new`]).
+    ///
+    /// # Errors
+    /// As [`LitVoxels::new`].
     pub(crate) fn new(
         store: &Store,
         residency: &Residency,
         shown: &Shown<'_>,
         interpolation: Interpolation,
-        lit: bool,
-    ) -> Self {
+        lit: Option<[u32; 3]>,
+    ) -> Result<Self> {
         let counts = residency.cells.counts();
         let visible = |range| shown.visible(range);
-        let occupancy = match Self::reach(residency, interpolation) {
+        let widened = Self::reach(residency, interpolation);
+        let occupancy = match widened {
             None => residency.cells.occupancy(visible),
             Some(reach) => residency.cells.widened(reach).occupancy(visible),
         };
-        let light = if lit {
-            LightWork::new(store.grid(), residency, counts, &occupancy)
-        } else {
-            LightWork::default()
+        let light = match lit {
+            None => LightWork::default(),
+            Some(reach) => {
+                let occupancy = Occupancy {
+                    counts,
+                    cells: &occupancy,
+                    widened: widened.is_some(),
+                };
+                let lit = LitVoxels::new(store, residency, shown, &occupancy, reach)?;
+                LightWork::new(store.grid(), residency, &occupancy, &lit)
+            }
         };
-        let mut distances = chessboard_distance(counts, &occupancy);
-        mark_whole_blocks(store.grid(), counts, &mut distances);
-        Self { distances, light }
+        let mut leaps = octant_leaps(counts, &occupancy);
+        mark_whole_blocks(store.grid(), counts, &mut leaps);
+        Ok(Self { leaps, light })
     }
 
     /// Value ranges of skip cells, for projections of values: `[least, largest]` texture samples of each.
@@ -89,12 +102,11 @@ impl Visibility {
     }
 }
 
-/// The shaders' `WHOLE_BLOCK`; distances end below it.
-const WHOLE_BLOCK: u8 = 255;
-const _: () = assert!(MAX_DISTANCE < WHOLE_BLOCK);
+/// The shaders' `WHOLE_BLOCK`. No leaps are packed like this: where one octant has some, all have.
+const WHOLE_BLOCK: u32 = 1;
 
-/// Marks the cells of blocks of which every cell shows something.
-fn mark_whole_blocks(grid: &BlockGrid, counts: [u32; 3], distances: &mut [u8]) {
+/// Marks the cells of blocks of which every cell shows something, so that rays cross them in longer runs.
+fn mark_whole_blocks(grid: &BlockGrid, counts: [u32; 3], leaps: &mut [u32]) {
     let [width, height, _] = counts.map(|n| n as usize);
     let per_block = BLOCK_CELLS / SKIP_CELLS;
     for block in 0..grid.len() {
@@ -108,10 +120,10 @@ fn mark_whole_blocks(grid: &BlockGrid, counts: [u32; 3], distances: &mut [u8]) {
             .collect();
         let whole = rows
             .iter()
-            .all(|r| distances[r + x.start..r + x.end].iter().all(|&d| d == 0));
+            .all(|r| leaps[r + x.start..r + x.end].iter().all(|&d| d == 0));
         if whole {
             for r in rows {
-                distances[r + x.start..r + x.end].fill(WHOLE_BLOCK);
+                leaps[r + x.start..r + x.end].fill(WHOLE_BLOCK);
             }
         }
     }

@@ -38,14 +38,14 @@ pub(super) fn unpack(loaded: &Loaded, texels: &[[u16; 4]]) -> Result<LightVolume
     let atlas = loaded.images().light.extent();
     let grid = loaded.store().grid();
     let work = &loaded.visibility().light;
-    let computed = computed_groups(work);
+    let computed = computed_samples(work);
     for (index, (record, &block)) in work.bricks.iter().zip(&work.blocks).enumerate() {
         let brick = Brick {
             texels,
             atlas: atlas.map(|n| n as usize),
             origin: record.origin_at.map(|o| o as usize),
             intervals: grid.intervals(block, record.level as u8),
-            computed: computed[index],
+            computed: &computed[index],
         };
         let first = grid.origin_ix(block);
         let cells = grid.cells(block);
@@ -72,14 +72,26 @@ pub(super) fn unpack(loaded: &Loaded, texels: &[[u16; 4]]) -> Result<LightVolume
     Ok(light)
 }
 
-/// By brick: bit `x + 5 (y + 5 z)` for each group that holds light.
-fn computed_groups(work: &LightWork) -> Vec<u128> {
-    let mut groups = vec![0; work.bricks.len()];
-    for [brick, packed] in work.trace.iter().chain(&work.seam) {
-        let [x, y, z] = LightWork::group(*packed);
-        groups[*brick as usize] |= 1 << (x + 5 * (y + 5 * z));
+/// Groups of a brick on each axis, at most.
+const GROUPS: usize = (BLOCK_CELLS / GROUP + 1) as usize;
+
+/// Of a brick: by group, x fastest, a bit for each sample that holds light.
+type Samples = [u64; GROUPS.pow(3)];
+
+/// By brick.
+fn computed_samples(work: &LightWork) -> Vec<Samples> {
+    let mut computed = vec![[0; GROUPS.pow(3)]; work.bricks.len()];
+    for entry in work.trace.iter().chain(&work.seam) {
+        let (group, samples) = LightWork::group(entry);
+        computed[entry[0] as usize][place(group, GROUPS)] |= samples;
     }
-    groups
+    computed
+}
+
+/// Linear index into a cube of so many on each axis.
+fn place(at: [u32; 3], count: usize) -> usize {
+    let [x, y, z] = at.map(|n| n as usize);
+    x + count * (y + count * z)
 }
 
 struct Brick<'a> {
@@ -87,7 +99,7 @@ struct Brick<'a> {
     atlas: [usize; 3],
     origin: [usize; 3],
     intervals: [u32; 3],
-    computed: u128,
+    computed: &'a Samples,
 }
 
 impl Brick<'_> {
@@ -106,8 +118,8 @@ impl Brick<'_> {
             if weight < 1e-9 {
                 continue;
             }
-            let [x, y, z] = sample.map(|s| s / GROUP);
-            if self.computed >> (x + 5 * (y + 5 * z)) & 1 == 0 {
+            let group = self.computed[place(sample.map(|s| s / GROUP), GROUPS)];
+            if group >> place(sample.map(|s| s % GROUP), GROUP as usize) & 1 == 0 {
                 return None;
             }
             let [x, y, z]: [usize; 3] =

@@ -182,7 +182,6 @@ pub(super) fn of(
 ) -> Stats {
     let selection = &loaded.residency().selection;
     let (traced, rays) = loaded.light_progress();
-    let group = u64::from(crate::atlas::GROUP).pow(3);
     Stats {
         device: DeviceStats {
             name: device.name.clone(),
@@ -203,7 +202,7 @@ pub(super) fn of(
         lao: (rays > 0 && loaded.is_occluded()).then(|| LightStats {
             rays: traced,
             ms_per_ray: times.light_ms / f64::from(times.light_directions.max(1)),
-            voxels: loaded.visibility().light.trace.len() as u64 * group,
+            voxels: loaded.visibility().light.samples(),
         }),
         samples: SampleStats {
             taken: samples,

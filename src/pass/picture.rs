@@ -4,7 +4,7 @@
 //!         host's depth
 //! Writes  the target (Storage; read too when it is blended over), depths and sample counts (Storage)
 //! Grid    one workgroup for 8x8 pixels, one dispatch a tile
-//! Method  emission-absorption with exact opacity correction; skipping by chessboard distances
+//! Method  emission-absorption with exact opacity correction; skipping by leaps, one map for each octant of directions
 //! Limits  a dispatch is one tile; its size is chosen so that no dispatch runs long, and changes no pixel
 //! Twin    src/reference/march.rs
 

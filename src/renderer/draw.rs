@@ -114,7 +114,7 @@ impl Loaded {
             images.record(context, recorder, labels)?;
         }
         if uploads.pending() {
-            let distances = &visibility.distances;
+            let leaps = &visibility.leaps;
             let lengths = sample_lengths(settings, store.volume.min_spacing());
             let resources = UploadResources {
                 images,
@@ -122,7 +122,7 @@ impl Loaded {
                 residency,
                 table,
                 lengths,
-                distances,
+                leaps,
             };
             uploaded_bytes = recorder.pass(pass_name::UPLOAD, |recorder| {
                 uploads.record(context, recorder, &resources, budget)

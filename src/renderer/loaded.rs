@@ -59,7 +59,7 @@ impl Loaded {
         let table = transfer_table(&store, &settings);
         let residency = choose(context, &store, &table, &settings)?;
         let lit = settings.ambient_occlusion.is_some();
-        let visibility = visibility(&store, &residency, &table, &settings);
+        let visibility = visibility(&store, &residency, &table, &settings)?;
         let prepared = Prepared::new(context, NAME, &table, &residency, &settings)?;
         let images = Images::new(context, NAME, &store, &residency, lit, settings.data_color)?;
         let labels = label_images(context, &settings)?;
@@ -147,8 +147,10 @@ impl Loaded {
         }
         // Everything that can fail comes first, so that an error leaves the old state in force.
         let current = residency.as_ref().unwrap_or(&self.residency);
-        let visibility = (reclassify || residency.is_some() || lit != was_lit)
-            .then(|| visibility(&self.store, current, &table, &settings));
+        let lights_other = lit_reach(&self.store, &settings) != lit_reach(&self.store, old);
+        let visibility = (reclassify || residency.is_some() || lights_other)
+            .then(|| visibility(&self.store, current, &table, &settings))
+            .transpose()?;
         let prepared = (reclassify || residency.is_some() || settings.march.step != old.march.step)
             .then(|| Prepared::new(context, NAME, &table, current, &settings))
             .transpose()?;
@@ -177,8 +179,12 @@ impl Loaded {
             )?),
         };
 
-        let same_light =
-            images.is_none() && residency.is_none() && self.settings.same_light(&settings);
+        let same_light = images.is_none()
+            && residency.is_none()
+            && self.settings.same_light(&settings)
+            && visibility
+                .as_ref()
+                .is_none_or(|new| new.light.trace == self.visibility.light.trace);
         if let Some(images) = images {
             self.images = images;
             self.uploads = Uploads::all(current);
@@ -318,14 +324,28 @@ fn visibility(
     residency: &Residency,
     table: &TransferTable,
     settings: &Settings,
-) -> Visibility {
+) -> Result<Visibility> {
     Visibility::new(
         store,
         residency,
         &shown(table, settings),
         settings.march.interpolation,
-        settings.ambient_occlusion.is_some(),
+        lit_reach(store, settings),
     )
+}
+
+/// How far from a place that shows something a sample may be that needs light, in voxels; `None` without light.
+fn lit_reach(store: &Store, settings: &Settings) -> Option<[u32; 3]> {
+    settings.ambient_occlusion.as_ref()?;
+    if !settings.is_preintegrated() {
+        return Some([0; 3]);
+    }
+    // A segment shows what lies between its ends, and is lit at its middle.
+    let half_mm = 0.5 * settings.march.step * store.volume.min_spacing();
+    let ix_from_world = store.volume.world_from_ix().matrix3.inverse();
+    Some(std::array::from_fn(|axis| {
+        (half_mm * ix_from_world.row(axis).length()).ceil() as u32
+    }))
 }
 
 fn select(

@@ -1,5 +1,4 @@
-//! Empty-space skipping: value ranges of small groups of cells, and the distance to the nearest
-//! visible one.
+//! Empty-space skipping: value ranges of small groups of cells.
 
 use std::sync::Arc;
 
@@ -12,9 +11,6 @@ use super::statistics::BlockStatistics;
 
 /// Cells on each axis of a skip cell.
 pub const SKIP_CELLS: u32 = 4;
-
-/// Largest distance that [`chessboard_distance`] tells apart.
-pub const MAX_DISTANCE: u8 = 254;
 
 /// Skip cells of a block on each axis.
 const PER_BLOCK: usize = (BLOCK_CELLS / SKIP_CELLS) as usize;
@@ -279,102 +275,5 @@ fn fold_slices(from: &[f32], span: Span, to: &mut [f32], pick: impl Fn(f32, f32)
         for (to, &v) in to.iter_mut().zip(slice) {
             *to = pick(*to, v);
         }
-    }
-}
-
-/// Chessboard distance, in cells and at most [`MAX_DISTANCE`], of every cell to the nearest with
-/// `occupancy` not 0; x fastest. An occupied cell has 0.
-///
-/// Exact: a shortest path of king's moves can take its steps along one axis last, so distances
-/// within rows extend to planes, and those within planes to the grid, by one sweep each way
-/// (Rosenfeld and Pfaltz 1968).
-///
-/// # Panics
-/// When `occupancy` does not have one entry for each cell.
-pub fn chessboard_distance(counts: [u32; 3], occupancy: &[u8]) -> Vec<u8> {
-    let [width, height, depth] = counts.map(|n| n as usize);
-    assert_eq!(
-        occupancy.len(),
-        width * height * depth,
-        "one entry of occupancy for each of {counts:?} cells"
-    );
-    let mut distance: Vec<u8> = occupancy
-        .par_iter()
-        .with_min_len(1 << 16)
-        .map(|&o| if o == 0 { MAX_DISTANCE } else { 0 })
-        .collect();
-    let area = width * height;
-    distance.par_chunks_exact_mut(area).for_each(|plane| {
-        for row in plane.chunks_exact_mut(width) {
-            sweep_row(row.iter_mut());
-            sweep_row(row.iter_mut().rev());
-        }
-        let mut near = vec![0; width];
-        for y in 1..height {
-            let (before, after) = plane.split_at_mut(y * width);
-            dilate_row(&before[(y - 1) * width..], &mut near);
-            step_from(&near, &mut after[..width]);
-        }
-        for y in (1..height).rev() {
-            let (before, after) = plane.split_at_mut(y * width);
-            dilate_row(&after[..width], &mut near);
-            step_from(&near, &mut before[(y - 1) * width..]);
-        }
-    });
-    let mut scratch = vec![0; area];
-    let mut near = vec![0; area];
-    for z in 1..depth {
-        let (before, after) = distance.split_at_mut(z * area);
-        dilate_plane(&before[(z - 1) * area..], width, &mut scratch, &mut near);
-        step_from(&near, &mut after[..area]);
-    }
-    for z in (1..depth).rev() {
-        let (before, after) = distance.split_at_mut(z * area);
-        dilate_plane(&after[..area], width, &mut scratch, &mut near);
-        step_from(&near, &mut before[(z - 1) * area..]);
-    }
-    distance
-}
-
-fn sweep_row<'a>(row: impl Iterator<Item = &'a mut u8>) {
-    let mut last = MAX_DISTANCE;
-    for d in row {
-        *d = (*d).min(last + 1);
-        last = *d;
-    }
-}
-
-/// Distances one step on from the neighbouring row or plane.
-fn step_from(near: &[u8], to: &mut [u8]) {
-    for (d, near) in to.iter_mut().zip(near) {
-        *d = (*d).min(near + 1);
-    }
-}
-
-/// Least of each value and its neighbours in the row.
-fn dilate_row(from: &[u8], to: &mut [u8]) {
-    to.copy_from_slice(from);
-    for (to, right) in to.iter_mut().zip(&from[1..]) {
-        *to = (*to).min(*right);
-    }
-    for (to, left) in to[1..].iter_mut().zip(from) {
-        *to = (*to).min(*left);
-    }
-}
-
-/// Least of each value and its eight neighbours in the plane.
-fn dilate_plane(from: &[u8], width: usize, scratch: &mut [u8], to: &mut [u8]) {
-    for (from, to) in from
-        .chunks_exact(width)
-        .zip(scratch.chunks_exact_mut(width))
-    {
-        dilate_row(from, to);
-    }
-    to.copy_from_slice(scratch);
-    for (to, above) in to.iter_mut().zip(&scratch[width..]) {
-        *to = (*to).min(*above);
-    }
-    for (to, below) in to[width..].iter_mut().zip(scratch.iter()) {
-        *to = (*to).min(*below);
     }
 }

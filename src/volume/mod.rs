@@ -12,6 +12,7 @@ mod filter;
 mod fingerprint;
 mod labels;
 pub mod layout;
+pub mod leaps;
 mod metadata;
 pub mod select;
 pub mod statistics;

@@ -2,7 +2,7 @@
 
 use umbravox::volume::blocks::{BlockGrid, FINEST, Levels};
 use umbravox::volume::bricks::BrickBuilder;
-use umbravox::volume::cells::{CellGrid, chessboard_distance};
+use umbravox::volume::cells::CellGrid;
 use umbravox::volume::statistics::BlockStatistics;
 use umbravox::volume::{Rescale, Volume, Voxels};
 
@@ -126,47 +126,4 @@ fn occupancy_follows_residency_and_visibility() {
         kinds.iter().all(|&n| n > 0),
         "not all kinds occur: {kinds:?}"
     );
-}
-
-#[test]
-fn distances_are_the_chessboard_metric() {
-    let mut random = Random(23);
-    for (counts, one_in) in [
-        ([13, 9, 11], 3),
-        ([13, 9, 11], 60),
-        ([20, 1, 17], 40),
-        ([1, 1, 30], 12),
-        ([16, 15, 14], 1500),
-    ] {
-        let [w, h, d] = counts.map(|n: u32| n as usize);
-        let mut occupancy: Vec<u8> = (0..w * h * d)
-            .map(|_| u8::from(random.below(one_in) == 0))
-            .collect();
-        occupancy[w * h * d / 2] = 1;
-        let place = |i: usize| [i % w, i / w % h, i / (w * h)];
-        let got = chessboard_distance(counts, &occupancy);
-        for (i, &distance) in got.iter().enumerate() {
-            let nearest = (0..occupancy.len())
-                .filter(|&j| occupancy[j] != 0)
-                .map(|j| (0..3).map(|a| place(i)[a].abs_diff(place(j)[a])).max())
-                .min()
-                .flatten();
-            assert_eq!(Some(usize::from(distance)), nearest, "cell {:?}", place(i));
-        }
-    }
-}
-
-#[test]
-fn distances_end_at_their_largest() {
-    let mut occupancy = vec![0; 600];
-    assert!(
-        chessboard_distance([600, 1, 1], &occupancy)
-            .iter()
-            .all(|&d| d == 254)
-    );
-    occupancy[0] = 1;
-    let got = chessboard_distance([600, 1, 1], &occupancy);
-    for (i, &d) in got.iter().enumerate() {
-        assert_eq!(usize::from(d), i.min(254));
-    }
 }

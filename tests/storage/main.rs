@@ -5,6 +5,7 @@ mod bricks;
 mod cells;
 mod fingerprint;
 mod layout;
+mod leaps;
 mod seams;
 mod select;
 mod statistics;

@@ -47,6 +47,7 @@ mod text;
 mod text_data;
 #[cfg(feature = "image-stacks")]
 mod tiff;
+mod transparent;
 mod units;
 #[cfg(feature = "vdb")]
 mod vdb;

@@ -15,28 +15,28 @@ pub(super) fn fill(colors: &mut [[u8; 4]], size: [u32; 3]) {
         return;
     }
     let mut known: Vec<bool> = colors.par_iter().map(|&[.., alpha]| alpha > 0).collect();
-    let mut ring: Vec<usize> = (0..known.len())
+    let all = 0..known.len();
+    let is_open = |known: &[bool], at: usize| known.get(at) == Some(&false);
+    let mut ring: Vec<usize> = all
         .into_par_iter()
-        .filter(|&at| !known[at] && beside(at, size).any(|other| known[other]))
+        .filter(|&at| is_open(&known, at) && beside(at, size).any(|other| !is_open(&known, other)))
         .collect();
     for _ in 0..RINGS {
         let means: Vec<[u8; 4]> = ring
             .par_iter()
             .map(|&at| {
-                mean(
-                    beside(at, size)
-                        .filter(|&other| known[other])
-                        .map(|other| colors[other]),
-                )
+                let others = beside(at, size).filter(|&other| !is_open(&known, other));
+                mean(others.filter_map(|other| colors.get(other).copied()))
             })
             .collect();
         for (&at, mean) in ring.iter().zip(means) {
-            colors[at] = mean;
-            known[at] = true;
+            if let (Some(color), Some(known)) = (colors.get_mut(at), known.get_mut(at)) {
+                (*color, *known) = (mean, true);
+            }
         }
         let next = ring
             .par_iter()
-            .flat_map_iter(|&at| beside(at, size).filter(|&other| !known[other]));
+            .flat_map_iter(|&at| beside(at, size).filter(|&other| is_open(&known, other)));
         let mut next: Vec<usize> = next.collect();
         next.par_sort_unstable();
         next.dedup();

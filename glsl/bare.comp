@@ -8,6 +8,7 @@
 #include "params.glsl"
 #include "classify.glsl"
 #include "ray.glsl"
+#include "lanes.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -17,7 +18,7 @@ layout(set = 0, binding = BINDING_TARGET) uniform writeonly image2D i_target;
 layout(push_constant) uniform Push { BarePush push; };
 
 void main() {
-    uvec2 px = push.tile_px + gl_GlobalInvocationID.xy;
+    uvec2 px = push.tile_px + lane_pixel();
     if (any(greaterThanEqual(px, push.tile_end_px))) {
         return;
     }

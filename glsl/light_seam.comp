@@ -13,7 +13,7 @@
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
 
 layout(set = 0, binding = BINDING_LIGHT_STORE, rgba16f) uniform image3D i_light;
-layout(push_constant) uniform Push { SeamPush push; };
+layout(push_constant) uniform Push { PartPush push; };
 
 vec4 light_texel(vec3 origin_at, ivec3 local) {
     return imageLoad(i_light, ivec3(origin_at) + local);

@@ -17,7 +17,7 @@
 #include "nodes.glsl"
 #include "target.glsl"
 #include "frame.glsl"
-#include "gradient.glsl"
+#include "field_gradient.glsl"
 #include "shade.glsl"
 #include "labels.glsl"
 #include "data_color.glsl"

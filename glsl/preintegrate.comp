@@ -22,9 +22,19 @@ layout(set = 0, binding = BINDING_PREINTEGRATED_EMISSION_STORE, rgba32f) uniform
 // Parts of an entry.
 const int PARTS = 16;
 
-vec4 difference(int from, int to, int row) {
-    precise vec4 high = texelFetch(t_integrals, ivec2(to, row), 0) - texelFetch(t_integrals, ivec2(from, row), 0);
-    precise vec4 low = texelFetch(t_integrals, ivec2(to, row + 1), 0) - texelFetch(t_integrals, ivec2(from, row + 1), 0);
+// An antiderivative, as two numbers that keep more digits.
+struct Integral {
+    vec4 high;
+    vec4 low;
+};
+
+Integral integral_at(int entry, int row) {
+    return Integral(texelFetch(t_integrals, ivec2(entry, row), 0), texelFetch(t_integrals, ivec2(entry, row + 1), 0));
+}
+
+vec4 difference(Integral from, Integral to) {
+    precise vec4 high = to.high - from.high;
+    precise vec4 low = to.low - from.low;
     return high + low;
 }
 
@@ -39,7 +49,8 @@ void main() {
     vec3 radiance = vec3(0.0);
     vec3 emitted = vec3(0.0);
     float opacity;
-    float length = front == back ? 0.0 : difference(front, back, 2).a;
+    Integral emission_front = integral_at(front, 2);
+    float length = front == back ? 0.0 : difference(emission_front, integral_at(back, 2)).a;
     // Where the function jumps, two entries have the same value.
     if (length == 0.0) {
         vec4 here = texelFetch(t_integrals, ivec2(front, 4), 0);
@@ -50,22 +61,30 @@ void main() {
         }
     } else {
         float per_length = 1.0 / length;
-        int parts = min(abs(back - front), PARTS);
+        int between = abs(back - front);
+        int parts = min(between, PARTS);
+        int way = back < front ? -1 : 1;
         float transparency = 1.0;
-        int from = front;
+        Integral color_front = integral_at(front, 0);
+        Integral from = color_front;
+        Integral emission_from = emission_front;
         for (int part = 1; part <= parts; ++part) {
-            int to = front + (back - front) * part / parts;
-            vec4 integral = difference(from, to, 0) * per_length;
+            // No division but by a constant: CPU drivers divide integers one by one.
+            int at = front + way * (between < PARTS ? part : between * part / PARTS);
+            Integral to = integral_at(at, 0);
+            vec4 integral = difference(from, to) * per_length;
             float alpha = transparency * opacity_of(max(integral.a, 0.0));
             float per_extinction = integral.a > 0.0 ? alpha / integral.a : 0.0;
             radiance += per_extinction * integral.rgb;
             if (EMISSION) {
-                emitted += per_extinction * (difference(from, to, 2).rgb * per_length);
+                Integral emission_to = integral_at(at, 2);
+                emitted += per_extinction * (difference(emission_from, emission_to).rgb * per_length);
+                emission_from = emission_to;
             }
             transparency *= exp(-max(integral.a, 0.0));
             from = to;
         }
-        opacity = opacity_of(max(difference(front, back, 0).a * per_length, 0.0));
+        opacity = opacity_of(max(difference(color_front, from).a * per_length, 0.0));
     }
     imageStore(i_table, entry, vec4(radiance, opacity));
     if (EMISSION) {

@@ -16,7 +16,7 @@
 #include "ray.glsl"
 #include "target.glsl"
 #include "frame.glsl"
-#include "gradient.glsl"
+#include "field_gradient.glsl"
 #include "labels.glsl"
 #include "medium.glsl"
 #include "phase.glsl"

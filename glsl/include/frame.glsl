@@ -1,6 +1,8 @@
 // What every pass that draws a picture binds, where its rays end, and how it leaves its result. Includes target.glsl and
 // ray.glsl first.
 
+#include "lanes.glsl"
+
 layout(constant_id = SPEC_JITTER) const bool JITTER = false;
 layout(constant_id = SPEC_AUX) const bool AUX = false;
 layout(constant_id = SPEC_SCENE_DEPTH) const bool SCENE_DEPTH = false;
@@ -33,7 +35,7 @@ float steps_to_scene(ivec2 px, Ray ray) {
 }
 
 uvec2 frame_pixel() {
-    return push.tile_px + gl_GlobalInvocationID.xy;
+    return push.tile_px + lane_pixel();
 }
 
 bool is_outside(uvec2 px) {

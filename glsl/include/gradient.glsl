@@ -1,15 +1,22 @@
-// Estimates of the field's gradient. Includes reconstruct.glsl first.
+// Estimates of the field's gradient from its samples. Includes reconstruct.glsl first.
 //
-// All but the two cubic ones are sums of taps of the trilinear field whole voxels away, which is the trilinear interpolation of
-// the estimates at voxels. Taps beyond the volume read its border.
+// All but the two cubic ones are the trilinear interpolation of the estimates at voxels, as sums of taps of the trilinear field. Taps
+// beyond the volume read its border.
 
 // 0 central differences, 1 four points an axis, 2 linear regression, 3 Sobel, 4 B-spline, 5 Catmull-Rom (src/pass/picture.rs).
 layout(constant_id = SPEC_GRADIENT) const uint GRADIENT = 0;
 
-// One-sided at the volume's border and where the neighbour is not resident.
+// One-sided where the neighbour is not resident, and at voxels on the volume's border. Between those and the next ones, where the
+// tap on the border stays there, the other one has a place from which the two still give the interpolation of what they give
+// at voxels: with f the field along the axis and p < 1 the distance to the border, (1 - p) (f(1) - f(0)) + p (f(2) - f(0)) / 2 =
+// (f(t) - f(0)) / t for t = 2 / (2 - p).
 float central_difference(Brick b, vec3 p_ix, vec3 axis) {
-    vec3 low = clamp(p_ix - axis, vec3(0.0), volume.field_ix);
-    vec3 high = clamp(p_ix + axis, vec3(0.0), volume.field_ix);
+    float from_low = dot(p_ix, axis);
+    float from_high = dot(volume.field_ix - p_ix, axis);
+    vec3 low = from_high < 1.0 ? p_ix + (from_high - 2.0 / (2.0 - from_high)) * axis : p_ix - axis;
+    vec3 high = from_low < 1.0 ? p_ix + (2.0 / (2.0 - from_low) - from_low) * axis : p_ix + axis;
+    low = clamp(low, vec3(0.0), volume.field_ix);
+    high = clamp(high, vec3(0.0), volume.field_ix);
     Brick b_low = brick_at(low);
     Brick b_high = brick_at(high);
     if (!b_low.resident) {
@@ -48,7 +55,7 @@ const vec3 REGRESSION = vec3(1.0, 0.707106781, 0.577350269) / 12.275656;
 const vec3 SOBEL = vec3(0.125, 0.0625, 0.03125);
 
 // In units of texture samples per index unit.
-vec3 gradient_ix(Brick b, vec3 p_ix) {
+vec3 estimated_gradient_ix(Brick b, vec3 p_ix) {
     switch (GRADIENT) {
     case 1u:
         return vec3(
@@ -65,10 +72,4 @@ vec3 gradient_ix(Brick b, vec3 p_ix) {
             central_difference(b, p_ix, vec3(0.0, 1.0, 0.0)),
             central_difference(b, p_ix, vec3(0.0, 0.0, 1.0)));
     }
-}
-
-// In units of texture samples per mm.
-vec3 gradient_ws(Brick b, vec3 p_ix) {
-    vec3 g = gradient_ix(b, p_ix);
-    return g.x * volume.gradient_x_ws + g.y * volume.gradient_y_ws + g.z * volume.gradient_z_ws;
 }

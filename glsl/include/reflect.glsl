@@ -1,4 +1,4 @@
-// Surfaces whose strength is the gradient's, lit by one light (Max 1995, eq. 11 and after). Includes gradient.glsl and
+// Surfaces whose strength is the gradient's, lit by one light (Max 1995, eq. 11 and after). Includes field_gradient.glsl and
 // phase.glsl first.
 
 // 0 particles, 1 Lambert, 2 Phong, 3 Blinn-Phong, 4 Cook-Torrance.

@@ -1,4 +1,4 @@
-// Light that a sample receives: the light volume and Lambert's law. Includes gradient.glsl first.
+// Light that a sample receives: the light volume and Lambert's law. Includes field_gradient.glsl first.
 
 layout(constant_id = SPEC_LIGHT) const bool LIGHT = false;
 layout(constant_id = SPEC_DIFFUSE) const bool DIFFUSE = false;

@@ -16,10 +16,14 @@ struct VolumeParams {
     vec3 gradient_y_ws;
     float table_tail;       // cells of that table per bin, beyond the function's range
     vec3 gradient_z_ws;
-    float pad0;
+    float gradient_unit;    // texture samples per index unit that a texel of the volume of gradients counts
     vec4 label_ix_from_ix_x;  // rows of an index of the label map from one of the volume
     vec4 label_ix_from_ix_y;
     vec4 label_ix_from_ix_z;
+    float gradient_zero;      // texel of no gradient
+    float pad0;
+    float pad1;
+    float pad2;
 };
 
 // What changes with the camera. A ray through pixel (px, py) starts at origin + px origin_dx + py origin_dy and goes
@@ -88,8 +92,8 @@ struct LightPush {
     uint pad0;
 };
 
-// Part of the seam work list.
-struct SeamPush {
+// Part of a work list.
+struct PartPush {
     uint first;
     uint count;
 };

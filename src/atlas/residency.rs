@@ -52,7 +52,7 @@ impl Residency {
             shown,
             &Request {
                 data_reduction: storage.data_reduction,
-                max_bytes: (storage.memory_budget_mib * 1024.0 * 1024.0) as u64,
+                max_bytes: storage.budget_bytes(),
                 bytes_per_texel: voxel_bytes + other_texel_bytes,
             },
         )

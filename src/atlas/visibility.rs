@@ -55,6 +55,14 @@ impl Visibility {
         Ok(Self { leaps, light })
     }
 
+    /// Linear indices of the skip cells that show something.
+    pub(crate) fn visible_cells(&self) -> impl Iterator<Item = usize> {
+        let leaps = self.leaps.iter().enumerate();
+        leaps
+            .filter(|&(_, &word)| word <= WHOLE_BLOCK)
+            .map(|(cell, _)| cell)
+    }
+
     /// Value ranges of skip cells, for projections of values: `[least, largest]` texture samples of each.
     pub(crate) fn sample_ranges(
         residency: &Residency,

@@ -35,14 +35,20 @@ impl Field<'_> {
         self.sample_clamped(ix, Interpolation::Linear)
     }
 
-    /// Differences of taps one voxel away; at the border, divided by the distance that is left.
+    /// Between voxels of differences of their neighbours, over two voxels, or over one where the voxel is on the border.
     fn central_differences(&self, ix: DVec3) -> DVec3 {
         let last = self.last_ix();
         axes(|axis| {
-            let [mut below, mut above] = [ix; 2];
-            below[axis] = (ix[axis] - 1.0).max(0.0);
-            above[axis] = (ix[axis] + 1.0).min(last[axis]);
-            (self.tap(above) - self.tap(below)) / (above[axis] - below[axis])
+            // Along the other axes taps do as well as voxels.
+            let at_voxel = |voxel: f64| {
+                let [mut below, mut above] = [ix; 2];
+                below[axis] = (voxel - 1.0).max(0.0);
+                above[axis] = (voxel + 1.0).min(last[axis]);
+                (self.tap(above) - self.tap(below)) / (above[axis] - below[axis])
+            };
+            let first = ix[axis].floor().min(last[axis] - 1.0);
+            let share = ix[axis] - first;
+            (1.0 - share) * at_voxel(first) + share * at_voxel(first + 1.0)
         })
     }
 

@@ -15,7 +15,7 @@ use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Recorder, Uniforms};
 use crate::shader::generated::*;
 use crate::shader::interface;
-use crate::shader::structs::{LightPush, SeamPush};
+use crate::shader::structs::{LightPush, PartPush};
 
 /// Bounds one dispatch to about 2 million samples times the samples of a ray.
 const GROUPS_A_DISPATCH: usize = 32768;
@@ -139,7 +139,7 @@ impl LightPass {
             // Each level follows the coarser ones before it.
             recorder.use_image(&images.light, Access::Storage);
             for (first, count) in parts(level[0], level[1]) {
-                recorder.dispatch(pipeline, &SeamPush { first, count }, [count, 1, 1]);
+                recorder.dispatch(pipeline, &PartPush { first, count }, [count, 1, 1]);
             }
         }
         Ok(())

@@ -2,6 +2,7 @@
 
 pub(crate) mod bare;
 pub(crate) mod bare_light;
+pub(crate) mod gradients;
 pub(crate) mod light;
 pub(crate) mod picture;
 pub(crate) mod preintegrate;
@@ -14,7 +15,7 @@ use std::sync::Arc;
 use crate::atlas::{Images, LabelImages};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Image, Pipeline, Recorder, Sampler};
-use crate::scene::Interpolation;
+use crate::scene::{Gradient, Interpolation};
 use crate::shader::PassInterface;
 
 /// Specialization constants: id and value.
@@ -95,6 +96,18 @@ impl Reconstruction {
             (SPEC_EXACT_BINS, self.exact_bins.into()),
             (SPEC_LABELS, self.labels.into()),
         ]
+    }
+}
+
+/// How the shaders call an estimator.
+fn gradient_constant(gradient: Gradient) -> u32 {
+    match gradient {
+        Gradient::CentralDifferences => 0,
+        Gradient::FourPoint => 1,
+        Gradient::Regression => 2,
+        Gradient::Sobel => 3,
+        Gradient::Bspline => 4,
+        Gradient::CatmullRom => 5,
     }
 }
 

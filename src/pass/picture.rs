@@ -12,7 +12,9 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::{Reconstruction, Variants, sampled, tile_groups, tiles, use_field, use_labels};
+use super::{
+    Reconstruction, Variants, gradient_constant, sampled, tile_groups, tiles, use_field, use_labels,
+};
 use crate::atlas::{Images, LabelImages, MediumImages, TableImages};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Image, ImageInfo, Recorder, Sampler, Uniforms};
@@ -102,6 +104,8 @@ pub(crate) struct PictureVariant {
     /// Lambert's law.
     pub(crate) diffuse: bool,
     pub(crate) gradient: Gradient,
+    /// Gradients are read, not estimated.
+    pub(crate) stored_gradients: bool,
     /// An optical model that the march of emission and absorption does not know.
     pub(crate) transport: Option<TransportVariant>,
     /// Samples have the colours of the data.
@@ -146,14 +150,6 @@ impl PictureVariant {
             Classification::Pre => 1,
             Classification::Preintegrated => 2,
         };
-        let gradient = match self.gradient {
-            Gradient::CentralDifferences => 0,
-            Gradient::FourPoint => 1,
-            Gradient::Regression => 2,
-            Gradient::Sobel => 3,
-            Gradient::Bspline => 4,
-            Gradient::CatmullRom => 5,
-        };
         let of_values = match self.projection {
             RayProjection::Minimum => 1,
             RayProjection::Mean => 2,
@@ -162,7 +158,8 @@ impl PictureVariant {
         let mut constants = self.reconstruction.constants();
         constants.extend([
             (SPEC_CLASSIFICATION, classification),
-            (SPEC_GRADIENT, gradient),
+            (SPEC_GRADIENT, gradient_constant(self.gradient)),
+            (SPEC_STORED_GRADIENTS, self.stored_gradients.into()),
             (SPEC_PROJECTION, of_values),
             (SPEC_XRAY, (self.projection == RayProjection::Xray).into()),
             (SPEC_LIGHT, self.light.into()),
@@ -186,6 +183,8 @@ impl PictureVariant {
 pub(crate) struct PictureResources<'a> {
     pub(crate) images: &'a Images,
     pub(crate) labels: Option<&'a LabelImages>,
+    /// The volume of gradients.
+    pub(crate) gradients: Option<&'a Image>,
     /// Of pre-integrated classification.
     pub(crate) tables: Option<&'a TableImages>,
     /// Value ranges of skip cells, of projections of values.
@@ -298,6 +297,7 @@ impl PicturePass {
         let PictureResources {
             images,
             labels,
+            gradients,
             tables,
             range,
             volume,
@@ -317,6 +317,8 @@ impl PicturePass {
         let table = tables.map_or(&self.unused_sampled, |t| &t.table);
         let emission = tables.map_or(&self.unused_sampled, |t| &t.emission);
         let range = range.unwrap_or(&self.unused_volume);
+        let gradients = gradients.unwrap_or(&self.unused_volume);
+        recorder.use_image(gradients, Access::SampledRead);
         recorder.use_image(range, Access::SampledRead);
         let aux = aux.unwrap_or(&self.unused_storage);
         recorder.use_image(aux, Access::Storage);
@@ -357,6 +359,7 @@ impl PicturePass {
                 sampled(emission, &self.nearest),
             ),
             (BINDING_RANGE, sampled(range, &self.nearest)),
+            (BINDING_GRADIENTS, sampled(gradients, &images.linear)),
         ]);
         bound.extend(surfaces.map(|s| (BINDING_SURFACES, Bound::Uniform(s))));
         if let Some((medium_images, params)) = medium {

@@ -10,7 +10,7 @@ use super::scattered::ScatterInputs;
 use super::settings::Settings;
 use super::transport::{Transport, environment_kind, phase_kind};
 use super::{Frame, FrameReport, Paths, RayBasis, pass_name};
-use crate::atlas::UploadResources;
+use crate::atlas::{GradientVolume, UploadResources};
 use crate::error::{Error, Result};
 use crate::gpu::{Context, Recorder, Uniforms};
 use crate::pass::Reconstruction;
@@ -41,7 +41,7 @@ pub(super) enum LightWorkload {
 
 impl Loaded {
     /// For a pass in which what emits does so with `emission`.
-    fn reconstruction(&self, emission: bool) -> Reconstruction {
+    pub(super) fn reconstruction(&self, emission: bool) -> Reconstruction {
         Reconstruction {
             interpolation: self.settings.march.interpolation,
             manual: self.images.manual_filter,
@@ -68,6 +68,8 @@ impl Loaded {
             row.as_vec4().to_array()
         };
         let (table_end, table_tail) = preintegration.map_or((0.0, 0.0), |p| p.ends());
+        let decoding = self.gradients.as_ref().map(GradientVolume::decoding);
+        let [gradient_unit, gradient_zero] = decoding.unwrap_or([1.0, 0.0]);
         VolumeParams {
             field_ix: volume.size().map(|n| (n - 1) as f32),
             bin_from_sample: bin_from_sample as f32,
@@ -82,10 +84,14 @@ impl Loaded {
             gradient_y_ws: gradient.y_axis.as_vec3().to_array(),
             table_tail: table_tail as f32,
             gradient_z_ws: gradient.z_axis.as_vec3().to_array(),
-            pad0: 0.0,
+            gradient_unit,
             label_ix_from_ix_x: label_row(0),
             label_ix_from_ix_y: label_row(1),
             label_ix_from_ix_z: label_row(2),
+            gradient_zero,
+            pad0: 0.0,
+            pad1: 0.0,
+            pad2: 0.0,
         }
     }
 
@@ -318,6 +324,7 @@ impl Loaded {
             light: self.light.is_some(),
             diffuse: lighting.shading == Shading::Diffuse,
             gradient: lighting.gradient,
+            stored_gradients: self.reads_gradients(),
             transport: self.transport.as_ref().map(Transport::variant),
             data_color: self.images.color.is_some(),
             jitter: march.jitter,
@@ -326,6 +333,7 @@ impl Loaded {
             encode_srgb: target.encode_srgb,
             blend: target.blend.then_some(target.format),
         };
+        let gradients = self.reads_gradients();
         let mut tile = self.tile.unwrap_or_else(|| self.default_tile());
         if self.settings.traces_paths() {
             tile = tile.min(PATHS_TILE);
@@ -337,12 +345,17 @@ impl Loaded {
             prepared,
             transport,
             paths,
+            gradients: gradient_volume,
             ..
         } = self;
         recorder.pass(pass_name::MARCH, |recorder| {
             let resources = PictureResources {
                 images,
                 labels: labels.as_ref(),
+                gradients: gradient_volume
+                    .as_ref()
+                    .filter(|_| gradients)
+                    .map(|g| &g.image),
                 tables: prepared.tables(),
                 range: prepared.range(),
                 volume,

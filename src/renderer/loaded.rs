@@ -3,19 +3,21 @@
 use std::sync::Arc;
 
 use super::RayBasis;
+use super::gradients::gradients;
 use super::light::LightProgress;
 use super::paths::Paths;
 use super::prepared::Prepared;
 use super::settings::Settings;
 use super::transport::Transport;
 use crate::atlas::{
-    COLOR_TEXEL_BYTES, Images, LIGHT_TEXEL_BYTES, LabelImages, LightLists, Residency,
-    SampleLengths, SampleScale, Shown, Store, TransferTable, Uploads, Visibility,
+    COLOR_TEXEL_BYTES, GradientVolume, Images, LIGHT_TEXEL_BYTES, LabelImages, LightLists,
+    Residency, SampleLengths, SampleScale, Shown, Store, TransferTable, Uploads, Visibility,
 };
 use crate::error::Result;
 use crate::gpu::Context;
 use crate::pass::bare::BarePass;
 use crate::pass::bare_light::BareLightPass;
+use crate::pass::gradients::GradientsPass;
 use crate::pass::light::LightPass;
 use crate::pass::picture::PicturePass;
 use crate::pass::scatter::ScatterPass;
@@ -35,6 +37,7 @@ pub(crate) struct Loaded {
     pub(super) images: Images,
     pub(super) lists: LightLists,
     pub(super) prepared: Prepared,
+    pub(super) gradients: Option<GradientVolume>,
     pub(super) labels: Option<LabelImages>,
     pub(super) light: Option<LightProgress>,
     pub(super) transport: Option<Transport>,
@@ -42,6 +45,7 @@ pub(crate) struct Loaded {
     pub(super) uploads: Uploads,
     pub(super) picture_pass: PicturePass,
     pub(super) light_pass: LightPass,
+    pub(super) gradients_pass: GradientsPass,
     pub(super) shadow_pass: ShadowPass,
     pub(super) scatter_pass: ScatterPass,
     pub(super) bare_pass: BarePass,
@@ -63,6 +67,7 @@ impl Loaded {
         let prepared = Prepared::new(context, NAME, &table, &residency, &settings)?;
         let images = Images::new(context, NAME, &store, &residency, lit, settings.data_color)?;
         let labels = label_images(context, &settings)?;
+        let gradients = gradients(context, &store, &residency, &settings)?;
         let lists = LightLists::new(context, NAME, &visibility.light)?;
         let light = light_progress(&store, &settings);
         let uploads = Uploads::all(&residency);
@@ -79,6 +84,7 @@ impl Loaded {
             images,
             lists,
             prepared,
+            gradients,
             labels,
             light,
             transport,
@@ -86,6 +92,7 @@ impl Loaded {
             uploads,
             picture_pass: PicturePass::new(context)?,
             light_pass: LightPass::new(),
+            gradients_pass: GradientsPass::new(),
             shadow_pass: ShadowPass::new(),
             scatter_pass: ScatterPass::new(),
             bare_pass: BarePass::new(),
@@ -161,6 +168,13 @@ impl Loaded {
         let labels = (map(&settings) != map(old))
             .then(|| label_images(context, &settings))
             .transpose()?;
+        let regradient = residency.is_some()
+            || reimage
+            || settings.gradient() != old.gradient()
+            || settings.storage != old.storage;
+        let gradients = regradient
+            .then(|| gradients(context, &self.store, current, &settings))
+            .transpose()?;
         let lists = visibility
             .as_ref()
             .map(|v| LightLists::new(context, NAME, &v.light))
@@ -198,6 +212,11 @@ impl Loaded {
         if let Some(visibility) = visibility {
             self.visibility = visibility;
         }
+        if let Some(gradients) = gradients {
+            self.gradients = gradients;
+        } else if let Some(gradients) = &mut self.gradients {
+            gradients.look_again();
+        }
         if let Some(lists) = lists {
             self.lists = lists;
         }
@@ -229,6 +248,7 @@ impl Loaded {
         self.images.forget();
         self.picture_pass.forget();
         self.prepared.forget();
+        self.gradients.iter_mut().for_each(GradientVolume::forget);
         self.transport.iter_mut().for_each(Transport::forget);
         self.paths.iter_mut().for_each(Paths::forget);
         self.labels.iter_mut().for_each(LabelImages::forget);
@@ -297,7 +317,7 @@ impl Loaded {
 }
 
 /// Prefix of object names.
-const NAME: &str = "umbravox";
+pub(super) const NAME: &str = "umbravox";
 
 fn label_images(context: &Arc<Context>, settings: &Settings) -> Result<Option<LabelImages>> {
     let labels = settings.labels.as_ref();
@@ -334,18 +354,21 @@ fn visibility(
     )
 }
 
-/// How far from a place that shows something a sample may be that needs light, in voxels; `None` without light.
+/// [`shading_reach`] where there is light.
 fn lit_reach(store: &Store, settings: &Settings) -> Option<[u32; 3]> {
-    settings.ambient_occlusion.as_ref()?;
+    let lit = settings.ambient_occlusion.is_some();
+    lit.then(|| shading_reach(store, settings))
+}
+
+/// How far from a place that shows something a sample may be that is lit for it, in voxels.
+pub(super) fn shading_reach(store: &Store, settings: &Settings) -> [u32; 3] {
     if !settings.is_preintegrated() {
-        return Some([0; 3]);
+        return [0; 3];
     }
     // A segment shows what lies between its ends, and is lit at its middle.
     let half_mm = 0.5 * settings.march.step * store.volume.min_spacing();
     let ix_from_world = store.volume.world_from_ix().matrix3.inverse();
-    Some(std::array::from_fn(|axis| {
-        (half_mm * ix_from_world.row(axis).length()).ceil() as u32
-    }))
+    std::array::from_fn(|axis| (half_mm * ix_from_world.row(axis).length()).ceil() as u32)
 }
 
 fn select(
@@ -353,13 +376,18 @@ fn select(
     table: &TransferTable,
     settings: &Settings,
 ) -> Result<crate::volume::select::Selection> {
+    let others = other_texel_bytes(settings);
+    Residency::select(store, &shown(table, settings), &settings.storage, others)
+}
+
+/// Bytes that a texel of the atlas has beside its value.
+pub(super) fn other_texel_bytes(settings: &Settings) -> u32 {
     let light = settings
         .ambient_occlusion
         .as_ref()
         .map(|_| LIGHT_TEXEL_BYTES);
     let color = settings.data_color.map(|_| COLOR_TEXEL_BYTES);
-    let others = light.unwrap_or(0) + color.unwrap_or(0);
-    Residency::select(store, &shown(table, settings), &settings.storage, others)
+    light.unwrap_or(0) + color.unwrap_or(0)
 }
 
 fn choose(

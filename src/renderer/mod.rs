@@ -4,6 +4,7 @@
 //! (`embed` for a host's command buffer, `headless` for our own).
 
 mod draw;
+mod gradients;
 mod light;
 mod loaded;
 mod paths;
@@ -236,6 +237,7 @@ impl Renderer {
 /// Names of the passes, as labels, in timings and in crash reports.
 pub(crate) mod pass_name {
     pub(crate) const UPLOAD: &str = "upload";
+    pub(crate) const GRADIENTS: &str = "gradients";
     pub(crate) const PREINTEGRATE: &str = "preintegrate";
     pub(crate) const LIGHT: &str = "light";
     pub(crate) const LIGHT_SEAM: &str = "light_seam";
@@ -266,6 +268,7 @@ pub(crate) fn record(
         loaded.record_transport(context, recorder, volume, &frame.rays, iterating)?;
     }
     if matches!(work, Work::Everything | Work::PictureOnly) {
+        loaded.record_gradients(context, recorder, volume)?;
         loaded.record_picture(context, recorder, volume, frame)?;
     }
     if work == Work::BareLight {

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use crate::scene::{
-    AmbientOcclusion, Classification, ColorManagement, Curve, EnvironmentMap, Labels, Lighting,
-    March, OpticalModel, RayProjection, ScatteringMethod, Scene, Shading, Storage, Surface,
-    VolumeColor, check_data_color, check_together,
+    AmbientOcclusion, Classification, ColorManagement, Curve, EnvironmentMap, Gradient, Labels,
+    Lighting, March, OpticalModel, RayProjection, Reflectance, ScatteringMethod, Scene, Shading,
+    Storage, Surface, VolumeColor, check_data_color, check_together,
 };
 use crate::volume::Volume;
 
@@ -143,6 +143,18 @@ impl Settings {
             RayProjection::Composite | RayProjection::Xray
         ) && !self.transports()
             && self.march.classification() == Classification::Preintegrated
+    }
+
+    /// The estimator of the gradients that samples need, if they need any and all blocks are one field.
+    pub(super) fn gradient(&self) -> Option<Gradient> {
+        let lighting = &self.lighting;
+        let shaded = match self.march.projection {
+            RayProjection::Composite | RayProjection::Isosurface if !self.transports() => {
+                lighting.shading == Shading::Diffuse
+            }
+            _ => self.transports() && lighting.reflectance != Reflectance::Particles,
+        };
+        (shaded && self.march.inter_block_interpolation).then_some(lighting.gradient)
     }
 
     /// Labels must lie where the volume does, and colours that are to be drawn must be there.

@@ -82,6 +82,13 @@ pub enum Gradient {
     CatmullRom,
 }
 
+impl Gradient {
+    /// True for derivatives of a kernel of four voxels an axis; the others are interpolated between voxels.
+    pub fn is_cubic(self) -> bool {
+        matches!(self, Self::Bspline | Self::CatmullRom)
+    }
+}
+
 /// Lighting.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]

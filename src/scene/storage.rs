@@ -9,8 +9,16 @@ use serde::{Deserialize, Serialize};
 pub struct Storage {
     /// Voxels of the volume per voxel kept, >= 1; 1 keeps everything at the finest level. Default 1.
     pub data_reduction: f64,
-    /// Device memory for voxels and light, MiB, > 0; binds where it is tighter than `data_reduction`. Default 1024.
+    /// Device memory for voxels and light, MiB, > 0; binds where it is tighter than `data_reduction`. Gradients of shaded pictures
+    /// are stored in what it leaves, or estimated at every sample where they do not fit. Default 1024.
     pub memory_budget_mib: f64,
+}
+
+impl Storage {
+    /// The memory budget.
+    pub(crate) fn budget_bytes(&self) -> u64 {
+        (self.memory_budget_mib * 1024.0 * 1024.0) as u64
+    }
 }
 
 impl Default for Storage {

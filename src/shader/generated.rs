@@ -58,6 +58,12 @@ pub static EXTREMUM_BLEND_RGBA8: Module = Module {
     words: include_spirv!("extremum_blend_rgba8.spv"),
 };
 
+/// `spirv/gradients.spv`.
+pub static GRADIENTS: Module = Module {
+    name: "gradients",
+    words: include_spirv!("gradients.spv"),
+};
+
 /// `spirv/grid_medium.spv`.
 pub static GRID_MEDIUM: Module = Module {
     name: "grid_medium",
@@ -220,6 +226,7 @@ pub static MODULES: &[&Module] = &[
     &EXTREMUM_BLEND_RGBA16F,
     &EXTREMUM_BLEND_RGBA32F,
     &EXTREMUM_BLEND_RGBA8,
+    &GRADIENTS,
     &GRID_MEDIUM,
     &ISOSURFACE,
     &ISOSURFACE_BLEND_RGBA16F,
@@ -339,6 +346,12 @@ pub const BINDING_RESIDUAL: u32 = 44;
 
 pub const BINDING_COLOR: u32 = 45;
 
+pub const BINDING_GRADIENTS: u32 = 46;
+
+pub const BINDING_GRADIENTS_STORE: u32 = 47;
+
+pub const BINDING_CHUNKS: u32 = 48;
+
 pub const SPEC_INTERPOLATION: u32 = 0;
 
 pub const SPEC_BLOCKS_APART: u32 = 1;
@@ -396,3 +409,5 @@ pub const SPEC_GLOBAL_MAJORANT: u32 = 26;
 pub const SPEC_COUNT: u32 = 27;
 
 pub const SPEC_DATA_COLOR: u32 = 28;
+
+pub const SPEC_STORED_GRADIENTS: u32 = 29;

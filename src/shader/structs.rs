@@ -34,14 +34,22 @@ gpu_struct! {
         pub table_tail: f32,
         /// World gradient of index z.
         pub gradient_z_ws: [f32; 3],
-        /// Unused.
-        pub pad0: f32,
+        /// Texture samples per index unit that a texel of the volume of gradients counts.
+        pub gradient_unit: f32,
         /// Rows of an index of the label map from one of the volume.
         pub label_ix_from_ix_x: [f32; 4],
         /// See `label_ix_from_ix_x`.
         pub label_ix_from_ix_y: [f32; 4],
         /// See `label_ix_from_ix_x`.
         pub label_ix_from_ix_z: [f32; 4],
+        /// Texel of no gradient.
+        pub gradient_zero: f32,
+        /// Unused.
+        pub pad0: f32,
+        /// Unused.
+        pub pad1: f32,
+        /// Unused.
+        pub pad2: f32,
     }
 }
 
@@ -171,7 +179,7 @@ gpu_struct! {
 
 gpu_struct! {
     /// Part of the seam work list.
-    pub struct SeamPush {
+    pub struct PartPush {
         /// First entry.
         pub first: u32,
         /// Entries of this dispatch.
@@ -306,7 +314,7 @@ pub const ALL: &[StructLayout] = &[
     SurfaceParams::LAYOUT,
     MarchPush::LAYOUT,
     LightPush::LAYOUT,
-    SeamPush::LAYOUT,
+    PartPush::LAYOUT,
     BrickRecord::LAYOUT,
     BarePush::LAYOUT,
     MediumParams::LAYOUT,

@@ -71,8 +71,8 @@ fn octant_distance(counts: [u32; 3], occupancy: &[u8], octant: u32) -> Vec<u8> {
     let mut distance = vec![0; width * height * depth];
     // Least of the neighbours in other rows.
     let mut near = vec![0; width];
-    for (z, z_ahead) in z_order.from_the_far_end() {
-        for (y, y_ahead) in y_order.from_the_far_end() {
+    for (z, z_ahead) in z_order.farthest_first() {
+        for (y, y_ahead) in y_order.farthest_first() {
             near.fill(LONGEST_LEAP);
             let rows = [(Some(y), z_ahead), (y_ahead, z_ahead), (y_ahead, Some(z))];
             for (y, z) in rows.into_iter().filter_map(|(y, z)| y.zip(z)) {
@@ -83,7 +83,7 @@ fn octant_distance(counts: [u32; 3], occupancy: &[u8], octant: u32) -> Vec<u8> {
             }
             let first = width * (y + height * z);
             let [mut ahead, mut near_ahead] = [LONGEST_LEAP; 2];
-            for (x, _) in x_order.from_the_far_end() {
+            for (x, _) in x_order.farthest_first() {
                 let least = near[x].min(near_ahead).min(ahead);
                 near_ahead = near[x];
                 ahead = if occupancy[first + x] == 0 {
@@ -106,7 +106,7 @@ struct Order {
 
 impl Order {
     /// Every cell with the one ahead of it, last first.
-    fn from_the_far_end(&self) -> impl Iterator<Item = (usize, Option<usize>)> {
+    fn farthest_first(&self) -> impl Iterator<Item = (usize, Option<usize>)> {
         let place = |at: usize| {
             if self.ascends {
                 self.count - 1 - at

@@ -11,7 +11,7 @@ pub use scatter::{
 pub use transport::{PATHTRACE, SHADOW_SWEEP, TRANSPORT};
 
 use super::generated::{self, *};
-use super::structs::{BarePush, LightPush, MarchPush, SeamPush};
+use super::structs::{BarePush, LightPush, MarchPush, PartPush};
 use super::{GpuStruct, Module, StructLayout};
 
 /// The interface of one compute pass.
@@ -158,9 +158,10 @@ const MARCH_SPEC_IDS: &[u32] = &[
     SPEC_XRAY,
     SPEC_LABELS,
     SPEC_DATA_COLOR,
+    SPEC_STORED_GRADIENTS,
 ];
 
-const fn march_bindings(target: Access) -> [Binding; 15] {
+const fn march_bindings(target: Access) -> [Binding; 16] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -177,6 +178,7 @@ const fn march_bindings(target: Access) -> [Binding; 15] {
         sampled(BINDING_LABELS),
         sampled(BINDING_LABEL_TABLE),
         sampled(BINDING_COLOR),
+        sampled(BINDING_GRADIENTS),
     ]
 }
 
@@ -256,9 +258,10 @@ const ISOSURFACE_SPEC_IDS: &[u32] = &[
     SPEC_UNIFORM_GRID,
     SPEC_GRADIENT,
     SPEC_LABELS,
+    SPEC_STORED_GRADIENTS,
 ];
 
-const fn isosurface_bindings(target: Access) -> [Binding; 12] {
+const fn isosurface_bindings(target: Access) -> [Binding; 13] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -272,6 +275,7 @@ const fn isosurface_bindings(target: Access) -> [Binding; 12] {
         uniform(BINDING_SURFACES),
         sampled(BINDING_LABELS),
         sampled(BINDING_LABEL_TABLE),
+        sampled(BINDING_GRADIENTS),
     ]
 }
 
@@ -289,6 +293,27 @@ pub const ISOSURFACE: PicturePasses = picture(
     ],
     ISOSURFACE_SPEC_IDS,
 );
+
+/// Gradients at voxels.
+pub const GRADIENTS: PassInterface = PassInterface {
+    module: &generated::GRADIENTS,
+    bindings: &[
+        uniform(BINDING_VOLUME),
+        sampled(BINDING_ATLAS),
+        sampled(BINDING_INDEX),
+        storage_image(BINDING_GRADIENTS_STORE, Access::Write),
+        storage_read(BINDING_CHUNKS),
+    ],
+    push_constants: Some(PartPush::LAYOUT),
+    spec_ids: &[
+        SPEC_INTERPOLATION,
+        SPEC_BLOCKS_APART,
+        SPEC_MANUAL_FILTER,
+        SPEC_UNIFORM_GRID,
+        SPEC_GRADIENT,
+    ],
+    local_size: [4, 4, 4],
+};
 
 /// The table of pre-integrated classification.
 pub const PREINTEGRATE: PassInterface = PassInterface {
@@ -343,7 +368,7 @@ pub const LIGHT_SEAM: PassInterface = PassInterface {
         storage_read(BINDING_WORK),
         storage_image(BINDING_LIGHT_STORE, Access::ReadWrite),
     ],
-    push_constants: Some(SeamPush::LAYOUT),
+    push_constants: Some(PartPush::LAYOUT),
     spec_ids: &[SPEC_UNIFORM_GRID],
     local_size: [4, 4, 4],
 };
@@ -401,6 +426,7 @@ pub const PASSES: &[PassInterface] = &[
     PATHTRACE.blend_rgba8,
     PATHTRACE.blend_rgba16f,
     PATHTRACE.blend_rgba32f,
+    GRADIENTS,
     PREINTEGRATE,
     LIGHT_TRACE,
     LIGHT_SEAM,

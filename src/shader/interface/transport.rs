@@ -29,9 +29,10 @@ const TRANSPORT_SPEC_IDS: &[u32] = &[
     SPEC_ENVIRONMENT,
     SPEC_CHROMATIC,
     SPEC_SCATTERED,
+    SPEC_STORED_GRADIENTS,
 ];
 
-const fn transport_bindings(target: Access) -> [Binding; 17] {
+const fn transport_bindings(target: Access) -> [Binding; 18] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -50,6 +51,7 @@ const fn transport_bindings(target: Access) -> [Binding; 17] {
         sampled(BINDING_ENVIRONMENT),
         sampled(BINDING_PHASE),
         storage_image(BINDING_THROUGH, Access::Write),
+        sampled(BINDING_GRADIENTS),
     ]
 }
 

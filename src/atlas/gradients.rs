@@ -1,0 +1,191 @@
+//! The volume of gradients: estimates at voxels, which texture units interpolate.
+//!
+//! One read in place of six and more for each shaded sample. It exists where the atlas is the volume itself and the memory budget has
+//! room for it; its values are computed on the device, and only around what can be seen.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::residency::{Residency, Store};
+use super::visibility::Visibility;
+use crate::error::Result;
+use crate::gpu::{Context, Image, ImageInfo};
+use crate::scene::Gradient;
+use crate::volume::VoxelType;
+use crate::volume::cells::SKIP_CELLS;
+
+/// Edge of what is computed together, voxels.
+const CHUNK: u32 = 16;
+
+/// How texels stand for gradients.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Coding {
+    format: vk::Format,
+    texel_bytes: u32,
+    /// Texture samples per index unit that a texel counts.
+    unit: f32,
+    /// Texel of no gradient.
+    zero: f32,
+}
+
+impl Coding {
+    fn of(context: &Context, store: &Store, estimator: Gradient) -> Self {
+        let voxels = store.volume.voxels().voxel_type();
+        let eight_bits = matches!(voxels, VoxelType::U8 | VoxelType::I8);
+        let ten_bits = vk::Format::A2B10G10R10_UNORM_PACK32;
+        if eight_bits
+            && estimator == Gradient::CentralDifferences
+            && context.can_store(ten_bits)
+            && context.filters_linearly(ten_bits)
+        {
+            // Differences of two voxels are whole numbers of halves of a step of theirs, at most 510: all of them are exact.
+            return Self {
+                format: ten_bits,
+                texel_bytes: 4,
+                unit: 1023.0 / 510.0,
+                zero: 512.0 / 1023.0,
+            };
+        }
+        // Numbers up to 1024 and a little, so that what is thousands of times smaller keeps its digits.
+        let range = match voxels {
+            VoxelType::F32 => {
+                let [low, high] = store.volume.stored_range();
+                (high - low) as f32
+            }
+            _ => 1.0,
+        };
+        Self {
+            format: vk::Format::R16G16B16A16_SFLOAT,
+            texel_bytes: 8,
+            unit: if range > 0.0 { range / 1024.0 } else { 1.0 },
+            zero: 0.0,
+        }
+    }
+}
+
+/// The volume of gradients on the device.
+pub(crate) struct GradientVolume {
+    pub(crate) image: Image,
+    estimator: Gradient,
+    coding: Coding,
+    /// Chunks on x, y, z.
+    counts: [u32; 3],
+    /// Chunks that are computed, x fastest.
+    done: Vec<bool>,
+    cleared: bool,
+    /// What can be seen has changed since chunks were last chosen.
+    stale: bool,
+}
+
+impl GradientVolume {
+    /// `None` where bricks are packed, the estimator looks further than between voxels, or the budget, which the texels of the atlas
+    /// share, has no room.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfMemory`].
+    pub(crate) fn new(
+        context: &Arc<Context>,
+        name: &str,
+        store: &Store,
+        residency: &Residency,
+        estimator: Gradient,
+        other_texel_bytes: u32,
+        budget_bytes: u64,
+    ) -> Result<Option<Self>> {
+        if !residency.layout.is_grid() || estimator.is_cubic() {
+            return Ok(None);
+        }
+        let coding = Coding::of(context, store, estimator);
+        let voxel_bytes = store.volume.voxels().voxel_type().bytes() as u64;
+        let texel_bytes = voxel_bytes + u64::from(other_texel_bytes + coding.texel_bytes);
+        if residency.layout.texels().saturating_mul(texel_bytes) > budget_bytes {
+            return Ok(None);
+        }
+        let image = Image::new(
+            context,
+            &ImageInfo {
+                name: &format!("{name}.gradients"),
+                extent: residency.layout.extent(),
+                format: coding.format,
+                three_dimensional: true,
+                usage: vk::ImageUsageFlags::SAMPLED
+                    | vk::ImageUsageFlags::STORAGE
+                    | vk::ImageUsageFlags::TRANSFER_DST,
+            },
+        )?;
+        let counts = store.grid().size().map(|n| n.div_ceil(CHUNK));
+        Ok(Some(Self {
+            image,
+            estimator,
+            coding,
+            counts,
+            done: vec![false; counts.iter().product::<u32>() as usize],
+            cleared: false,
+            stale: true,
+        }))
+    }
+
+    pub(crate) fn estimator(&self) -> Gradient {
+        self.estimator
+    }
+
+    /// What a texel counts, and the texel of no gradient.
+    pub(crate) fn decoding(&self) -> [f32; 2] {
+        [self.coding.unit, self.coding.zero]
+    }
+
+    /// Other places may be seen now.
+    pub(crate) fn look_again(&mut self) {
+        self.stale = true;
+    }
+
+    /// See [`Image::forget`]. Everything is computed again.
+    pub(crate) fn forget(&mut self) {
+        self.image.forget();
+        self.done.fill(false);
+        self.cleared = false;
+        self.stale = true;
+    }
+
+    /// True once: filters give weight 0 to texels that nothing was written to, which only a number makes nothing.
+    pub(crate) fn is_first_use(&mut self) -> bool {
+        !std::mem::replace(&mut self.cleared, true)
+    }
+
+    /// Chunks that are needed for the first time, for samples at most `reach` voxels from what shows something; they count as computed
+    /// from now on.
+    pub(crate) fn next_chunks(
+        &mut self,
+        residency: &Residency,
+        visibility: &Visibility,
+        reach: [u32; 3],
+    ) -> Vec<[i32; 4]> {
+        if !std::mem::take(&mut self.stale) {
+            return Vec::new();
+        }
+        let [width, height, _] = residency.cells.counts().map(|n| n as usize);
+        let mut chunks = Vec::new();
+        let visible = visibility.visible_cells();
+        for cell in visible.map(|at| [at % width, at / width % height, at / (width * height)]) {
+            let range = |axis: usize| {
+                let first = cell[axis] as u32 * SKIP_CELLS;
+                // One more, for what rounding takes for the next cell's.
+                let reach = reach[axis] + 1;
+                let last = (first + SKIP_CELLS + reach) / CHUNK;
+                first.saturating_sub(reach) / CHUNK..=last.min(self.counts[axis] - 1)
+            };
+            for z in range(2) {
+                for y in range(1) {
+                    for x in range(0) {
+                        let at = x + self.counts[0] * (y + self.counts[1] * z);
+                        if !std::mem::replace(&mut self.done[at as usize], true) {
+                            chunks.push([x as i32, y as i32, z as i32, 0]);
+                        }
+                    }
+                }
+            }
+        }
+        chunks
+    }
+}

@@ -1,0 +1,105 @@
+//! The volume of gradients.
+//!
+//! Reads   atlas, index (SampledRead), list of chunks (storage buffer the host wrote)
+//! Writes  the volume of gradients (Storage), for the chunks listed
+//! Grid    one workgroup for 4x4x4 voxels, 64 for a chunk of 16^3
+//! Method  the estimators of glsl/include/gradient.glsl, at voxels
+//! Limits  a dispatch takes at most `CHUNKS_A_DISPATCH` chunks
+//! Twin    src/field/gradient.rs
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::{Reconstruction, Variants, gradient_constant, sampled};
+use crate::atlas::{GradientVolume, Images};
+use crate::error::Result;
+use crate::gpu::{Access, Bound, Buffer, Context, Recorder, Uniforms};
+use crate::shader::generated::*;
+use crate::shader::interface;
+use crate::shader::structs::PartPush;
+
+/// Bounds one dispatch to about 4 million voxels.
+const CHUNKS_A_DISPATCH: usize = 1024;
+/// Workgroups of a chunk.
+const GROUPS: u32 = 64;
+
+/// What the pass works on.
+pub(crate) struct GradientsResources<'a> {
+    pub(crate) images: &'a Images,
+    pub(crate) gradients: &'a mut GradientVolume,
+    /// Which chunks of 16^3 voxels.
+    pub(crate) chunks: &'a [[i32; 4]],
+    /// The volume's parameters.
+    pub(crate) volume: Uniforms,
+}
+
+/// The pass.
+pub(crate) struct GradientsPass {
+    variants: Variants,
+}
+
+impl GradientsPass {
+    pub(crate) fn new() -> Self {
+        Self {
+            variants: Variants::new(),
+        }
+    }
+
+    /// Estimates the gradients of some chunks.
+    pub(crate) fn record(
+        &mut self,
+        context: &Arc<Context>,
+        recorder: &mut Recorder<'_>,
+        reconstruction: Reconstruction,
+        resources: GradientsResources<'_>,
+    ) -> Result<()> {
+        let GradientsResources {
+            images,
+            gradients,
+            chunks,
+            volume,
+        } = resources;
+        let mut constants = reconstruction.constants();
+        constants.push((SPEC_GRADIENT, gradient_constant(gradients.estimator())));
+        let pipeline = self
+            .variants
+            .get(context, &interface::GRADIENTS, constants)?;
+        let list = Buffer::upload(
+            context,
+            "umbravox.gradients.chunks",
+            bytemuck::cast_slice(chunks),
+            vk::BufferUsageFlags::STORAGE_BUFFER,
+        )?;
+        if gradients.is_first_use() {
+            recorder.clear(&gradients.image);
+        }
+        recorder.use_image(&images.atlas, Access::SampledRead);
+        recorder.use_image(&images.index, Access::SampledRead);
+        recorder.use_image(&gradients.image, Access::Storage);
+        let bound = [
+            (BINDING_VOLUME, Bound::Uniform(volume)),
+            (
+                BINDING_ATLAS,
+                sampled(&images.atlas, images.atlas_sampler()),
+            ),
+            (BINDING_INDEX, sampled(&images.index, &images.nearest)),
+            (
+                BINDING_GRADIENTS_STORE,
+                Bound::StorageImage(&gradients.image),
+            ),
+            (BINDING_CHUNKS, Bound::Storage(&list)),
+        ];
+        recorder.bind(pipeline, &bound)?;
+        for (at, part) in chunks.chunks(CHUNKS_A_DISPATCH).enumerate() {
+            let push = PartPush {
+                first: (at * CHUNKS_A_DISPATCH) as u32,
+                count: part.len() as u32,
+            };
+            recorder.dispatch(pipeline, &push, [push.count, GROUPS, 1]);
+        }
+        recorder.use_image(&gradients.image, Access::SampledRead);
+        recorder.flush();
+        Ok(())
+    }
+}

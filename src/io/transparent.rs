@@ -14,34 +14,45 @@ pub(super) fn fill(colors: &mut [[u8; 4]], size: [u32; 3]) {
     if size.iter().product::<usize>() != colors.len() {
         return;
     }
-    let mut known: Vec<bool> = colors.par_iter().map(|&[.., alpha]| alpha > 0).collect();
-    let all = 0..known.len();
-    let is_open = |known: &[bool], at: usize| known.get(at) == Some(&false);
-    let mut ring: Vec<usize> = all
+    let state_of = |&[.., alpha]: &[u8; 4]| if alpha > 0 { State::Known } else { State::Open };
+    let mut states: Vec<State> = colors.par_iter().map(state_of).collect();
+    let mut ring: Vec<usize> = (0..states.len())
         .into_par_iter()
-        .filter(|&at| is_open(&known, at) && beside(at, size).any(|other| !is_open(&known, other)))
+        .filter(|&at| states.get(at) == Some(&State::Open))
+        .filter(|&at| beside(at, size).any(|other| states.get(other) == Some(&State::Known)))
         .collect();
     for _ in 0..RINGS {
         let means: Vec<[u8; 4]> = ring
             .par_iter()
             .map(|&at| {
-                let others = beside(at, size).filter(|&other| !is_open(&known, other));
-                mean(others.filter_map(|other| colors.get(other).copied()))
+                let known = beside(at, size).filter(|&o| states.get(o) == Some(&State::Known));
+                mean(known.filter_map(|other| colors.get(other).copied()))
             })
             .collect();
+        let mut next = Vec::new();
         for (&at, mean) in ring.iter().zip(means) {
-            if let (Some(color), Some(known)) = (colors.get_mut(at), known.get_mut(at)) {
-                (*color, *known) = (mean, true);
+            if let (Some(color), Some(state)) = (colors.get_mut(at), states.get_mut(at)) {
+                (*color, *state) = (mean, State::Known);
             }
         }
-        let next = ring
-            .par_iter()
-            .flat_map_iter(|&at| beside(at, size).filter(|&other| is_open(&known, other)));
-        let mut next: Vec<usize> = next.collect();
-        next.par_sort_unstable();
-        next.dedup();
+        for other in ring.iter().flat_map(|&at| beside(at, size)) {
+            if let Some(state @ State::Open) = states.get_mut(other) {
+                *state = State::Next;
+                next.push(other);
+            }
+        }
         ring = next;
     }
+}
+
+/// Of a voxel's colour.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum State {
+    /// The file's own, or filled in.
+    Known,
+    /// In the ring that is filled in next.
+    Next,
+    Open,
 }
 
 /// The voxel and those around it, 27 or fewer, in order.

@@ -22,7 +22,7 @@ pub(crate) struct Store {
 
 impl Store {
     pub(crate) fn new(volume: Arc<Volume>) -> Result<Self> {
-        let statistics = BlockStatistics::of(&volume)?;
+        let statistics = BlockStatistics::of(volume.clone())?;
         Ok(Self { volume, statistics })
     }
 
@@ -63,7 +63,7 @@ impl Residency {
         let layout = AtlasLayout::plan(store.grid(), &selection.levels, max_extent_3d)?;
         let cells = {
             let bricks = BrickBuilder::new(&store.volume, store.grid(), &selection.levels)?;
-            CellGrid::new(&bricks, store.volume.rescale())
+            CellGrid::new(&bricks, &store.statistics)
         };
         Ok(Self {
             selection,

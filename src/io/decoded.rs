@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::components::LUMA;
 use super::payload::reserve;
+use super::transparent;
 use crate::error::Result;
 use crate::volume::Voxels;
 
@@ -22,9 +23,10 @@ impl From<Voxels> for Decoded {
 
 impl Decoded {
     /// The numbers that a transfer function classifies, and the colours. The number of a colour is its alpha where that tells
-    /// voxels apart, else its luminance.
-    pub(super) fn into_parts(self) -> Result<(Voxels, Option<Vec<[u8; 4]>>)> {
-        let colors = match self {
+    /// voxels apart, else its luminance. Where it is alpha, voxels of alpha 0 get colours from those beside them. `size` are the
+    /// voxels on x, y, z.
+    pub(super) fn into_parts(self, size: [u32; 3]) -> Result<(Voxels, Option<Vec<[u8; 4]>>)> {
+        let mut colors = match self {
             Self::Numbers(voxels) => return Ok((voxels, None)),
             Self::Colors(colors) => colors,
         };
@@ -39,6 +41,9 @@ impl Decoded {
         };
         let mut numbers = reserve(colors.len())?;
         colors.par_iter().map(number).collect_into_vec(&mut numbers);
+        if has_alpha {
+            transparent::fill(&mut colors, size);
+        }
         Ok((Voxels::U8(numbers), Some(colors)))
     }
 }

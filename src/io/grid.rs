@@ -170,7 +170,7 @@ pub(super) fn volume(
     world_from_ix: DAffine3,
     rescale: Rescale,
 ) -> Result<Volume> {
-    let (voxels, colors) = voxels.into().into_parts()?;
+    let (voxels, colors) = voxels.into().into_parts(grid.size)?;
     Volume::new(voxels, grid.size, world_from_ix, rescale)
         .and_then(|volume| volume.with_colors(colors))
         .map_err(|error| match error {

@@ -47,6 +47,7 @@ mod text;
 mod text_data;
 #[cfg(feature = "image-stacks")]
 mod tiff;
+mod transparent;
 mod units;
 #[cfg(feature = "vdb")]
 mod vdb;
@@ -73,7 +74,8 @@ pub struct ReadOptions<'a> {
     /// What the header would have said. When given, the file is read as headerless, whatever it looks like.
     pub raw: Option<RawDescription>,
     /// Which series of a DICOM folder: its UID, its number, or the start of its description. Default: the largest.
-    /// Which grid of an OpenVDB file: its name. Default: the first.
+    /// Which grid of an OpenVDB file, which image of an OME-Zarr: its name. Default: the first. Which file of an archive of
+    /// several volumes: its name; there is no default.
     pub series: Option<String>,
     /// Which volume of a file that holds several, from 0. Default: the first.
     pub timestep: Option<u32>,

@@ -23,11 +23,15 @@ fn choose<'a>(archive: &'a Bundle, options: &ReadOptions<'_>) -> Result<&'a Memb
         ([], _) if archive.members().len() == 1 => Err(formats::unrecognised(archive.path())),
         ([], _) => Err(formats::unrecognised_bundle(archive)),
         (several, _) => {
-            let names: Vec<&str> = several.iter().take(8).map(|m| m.name()).collect();
+            const LISTED: usize = 8;
+            let names: Vec<&str> = several.iter().take(LISTED).map(|m| m.name()).collect();
+            let more = if several.len() > LISTED { ", …" } else { "" };
+            let asked = asked.map(|name| format!("no volume {name:?} among "));
             Err(bad(
                 archive.path(),
                 format!(
-                    "{} volumes ({}, …); volume.series picks one by its name",
+                    "{}{} volumes ({}{more}); volume.series picks one by its name",
+                    asked.unwrap_or_default(),
                     several.len(),
                     names.join(", ")
                 ),

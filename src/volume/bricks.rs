@@ -108,6 +108,11 @@ impl<'a> BrickBuilder<'a> {
         self.levels.by_block[block].map_or(0, brick_texels) * self.texel_bytes
     }
 
+    /// Whether a brick is resident and its texels are the voxels of its block, none taken from a coarser neighbour.
+    pub(super) fn holds_voxels(&self, block: usize) -> bool {
+        self.levels.by_block[block] == Some(FINEST) && !self.bricks.has_coarser_neighbor(block)
+    }
+
     /// Writes the texels of a brick, x fastest, to the first [`BrickBuilder::bytes`] of `to`.
     ///
     /// Signed voxels are offset by half their range. In a last block of fewer than 16 cells at the
@@ -150,6 +155,8 @@ fn check(volume: &Volume, grid: &BlockGrid, levels: &Levels) -> Result<()> {
 trait Write: Send + Sync {
     fn write(&self, block: usize, level: u8, to: &mut [u8]);
     fn stored(&self, block: usize, level: u8, to: &mut [f32]);
+    /// Of a block at the finest level.
+    fn has_coarser_neighbor(&self, block: usize) -> bool;
 }
 
 struct Bricks<'a, V: Voxel> {
@@ -250,6 +257,10 @@ impl<'a, V: Voxel> Bricks<'a, V> {
 }
 
 impl<V: Voxel> Write for Bricks<'_, V> {
+    fn has_coarser_neighbor(&self, block: usize) -> bool {
+        self.map.has_coarser_neighbor(block, FINEST)
+    }
+
     fn write(&self, block: usize, level: u8, to: &mut [u8]) {
         if level < FINEST {
             to.copy_from_slice(bytemuck::cast_slice(self.coarse_brick(block, level)));

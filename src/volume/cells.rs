@@ -1,10 +1,13 @@
 //! Empty-space skipping: value ranges of small groups of cells.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::Rescale;
 use super::blocks::{BLOCK_CELLS, BlockGrid, FINEST, brick_extent, brick_texels};
 use super::bricks::BrickBuilder;
+use super::statistics::BlockStatistics;
 
 /// Cells on each axis of a skip cell.
 pub const SKIP_CELLS: u32 = 4;
@@ -23,36 +26,53 @@ const ABSENT: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
 pub struct CellGrid {
     counts: [u32; 3],
     rescale: Rescale,
-    ranges: Vec<[f32; 2]>,
+    ranges: Arc<Vec<[f32; 2]>>,
 }
 
 impl CellGrid {
-    /// Ranges of all skip cells, in parallel over slabs of blocks.
-    pub fn new(bricks: &BrickBuilder, rescale: Rescale) -> Self {
+    /// Ranges of all skip cells, in parallel over slabs of blocks. `statistics` are those of the volume that the bricks are
+    /// made of.
+    pub fn new(bricks: &BrickBuilder, statistics: &BlockStatistics) -> Self {
         let grid = bricks.grid();
         let counts = grid.size().map(|n| (n - 1).div_ceil(SKIP_CELLS));
-        let [width, height, depth] = counts.map(|n| n as usize);
-        let mut ranges = vec![ABSENT; width * height * depth];
+        let [width, height, _] = counts.map(|n| n as usize);
+        let mut ranges = statistics.cell_ranges().clone();
+        if bricks
+            .levels()
+            .by_block
+            .iter()
+            .all(|&level| level == Some(FINEST))
+        {
+            return Self {
+                counts,
+                rescale: statistics.rescale(),
+                ranges,
+            };
+        }
         let blocks = grid.counts().map(|n| n as usize);
-        ranges
+        let strides = [width, width * height];
+        Arc::make_mut(&mut ranges)
             .par_chunks_mut(width * height * PER_BLOCK)
             .enumerate()
-            .for_each(|(z, slab)| {
-                let mut scratch = Scratch::new();
+            .for_each_init(Scratch::new, |scratch, (z, slab)| {
                 for y in 0..blocks[1] {
                     for x in 0..blocks[0] {
                         let block = x + blocks[0] * (y + blocks[1] * z);
-                        if let Some(level) = bricks.levels().by_block[block] {
-                            let size = scratch.reduce(bricks, grid, block, level);
-                            let first = PER_BLOCK * (x + width * y);
-                            scratch.copy_to(size, &mut slab[first..], [width, width * height]);
+                        if bricks.holds_voxels(block) {
+                            continue;
                         }
+                        let size = match bricks.levels().by_block[block] {
+                            Some(level) => scratch.reduce(bricks, grid, block, level),
+                            None => scratch.clear(grid, block),
+                        };
+                        let first = PER_BLOCK * (x + width * y);
+                        scratch.copy_to(size, &mut slab[first..], strides);
                     }
                 }
             });
         Self {
             counts,
-            rescale,
+            rescale: statistics.rescale(),
             ranges,
         }
     }
@@ -97,7 +117,7 @@ pub struct Reach {
 impl CellGrid {
     /// Ranges that bound what a filter of a wider support than trilinear returns in each skip cell.
     pub fn widened(&self, reach: Reach) -> Self {
-        let mut ranges = self.ranges.clone();
+        let mut ranges = self.ranges.to_vec();
         let counts = self.counts.map(|n| n as usize);
         let strides = [1, counts[0], counts[0] * counts[1]];
         for axis in 0..3 {
@@ -127,7 +147,7 @@ impl CellGrid {
         Self {
             counts: self.counts,
             rescale: self.rescale,
-            ranges,
+            ranges: ranges.into(),
         }
     }
 
@@ -172,6 +192,12 @@ impl Scratch {
         self.fold(side, &spans, 0, |a, b| if b < a { b } else { a });
         self.fold(side, &spans, 1, |a, b| if b > a { b } else { a });
         cells.map(|m| m.div_ceil(SKIP_CELLS) as usize)
+    }
+
+    /// The same for a block that is not resident.
+    fn clear(&mut self, grid: &BlockGrid, block: usize) -> [usize; 3] {
+        self.cells = [ABSENT; PER_BLOCK.pow(3)];
+        grid.cells(block).map(|m| m.div_ceil(SKIP_CELLS) as usize)
     }
 
     /// Combines the samples of every skip cell and stores the result as one `end` of the ranges.

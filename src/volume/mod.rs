@@ -19,12 +19,15 @@ pub mod statistics;
 mod summary;
 mod texel;
 mod thin;
+mod voxel_ranges;
 
 pub use color::linear_from_srgb;
 pub(crate) use fingerprint::hexadecimal;
 pub use labels::{LabelIndices, LabelMap, MAX_LABELS};
 pub use metadata::{Content, Metadata};
 pub use summary::{HISTOGRAM_BINS, Histogram, Percentiles, Summary};
+pub(crate) use texel::{Voxel, with_typed};
+pub(crate) use voxel_ranges::Envelope;
 
 use std::sync::Arc;
 

@@ -90,7 +90,7 @@ pub fn select(
     let visible: Vec<bool> = (0..grid.len())
         .into_par_iter()
         .with_min_len(1 << 10)
-        .map(|block| transfer_function.visible(statistics.block_value_range(block, FINEST)))
+        .map(|block| transfer_function.visible(statistics.block_value_range(block)))
         .collect();
     let mut choice = Choice::new(grid, request);
     // The highest floor that fits every visible block; from there, up to the next floor at most.
@@ -162,6 +162,7 @@ fn error_curves(
     floor: Option<u8>,
 ) -> Vec<ErrorCurve> {
     let table = Table::new(statistics.value_range(), transfer_function);
+    statistics.count(visible);
     visible
         .par_iter()
         .with_min_len(64)
@@ -178,7 +179,7 @@ fn error_curve(
 ) -> [f64; LEVELS + 1] {
     let mut curve = [0.0; LEVELS + 1];
     let [low, high] = statistics
-        .stored_range(block, FINEST)
+        .stored_range(block)
         .map(|s| statistics.rescale().range([s, s])[0]);
     let Some(histograms) = statistics.histograms(block) else {
         curve[0] = statistics.mass(block) as f64 * f64::from(norm(&table.at(low)));

@@ -258,6 +258,23 @@ fn info_describes_volumes_and_scenes() {
     }
 }
 
+/// Parsers of other crates warn of what a reader deals with, file by file.
+#[test]
+fn a_series_without_file_meta_groups_is_read_in_silence() {
+    let series = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/data/formats/no_meta_implicit.zip"
+    );
+    let quiet = Workplace::new().run(&["info", series]);
+    assert_eq!((quiet.status, quiet.stderr.as_str()), (0, ""));
+    let verbose = Workplace::new().run(&["info", series, "-v"]);
+    assert!(
+        verbose.stderr.contains("dicom_object"),
+        "{}",
+        verbose.stderr
+    );
+}
+
 #[test]
 fn devices_are_listed() {
     let place = Workplace::new();

@@ -9,17 +9,18 @@ mod references;
 mod seeds;
 mod values;
 
+use std::alloc::System;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use peak_alloc::PeakAlloc;
+use peakmem_alloc::{PeakMemAlloc, PeakMemAllocTrait as _};
 use umbravox::Error;
 use umbravox::io::{Limits, ReadOptions, read};
 use umbravox::volume::Volume;
 
 #[global_allocator]
-static ALLOCATOR: PeakAlloc = PeakAlloc;
+static ALLOCATOR: PeakMemAlloc<System> = PeakMemAlloc::new(System);
 
 const MAX_TIME: Duration = Duration::from_secs(1);
 /// Above what was held before. The seeds take a hundredth of it; dictionaries of decoders most.
@@ -52,11 +53,11 @@ fn limited() -> ReadOptions<'static> {
 fn judge(path: &Path, options: &ReadOptions<'_>, what: &str) -> Result<Volume, Error> {
     let _one_at_a_time = READING.lock().unwrap_or_else(PoisonError::into_inner);
     let timed = || {
-        ALLOCATOR.reset_peak_usage();
-        let (held, start) = (ALLOCATOR.current_usage(), Instant::now());
+        ALLOCATOR.reset_peak_memory();
+        let start = Instant::now();
         let result = read(path, options);
         let took = start.elapsed();
-        (result, took, ALLOCATOR.peak_usage().saturating_sub(held))
+        (result, took, ALLOCATOR.get_peak_memory())
     };
     let (mut result, mut took, memory) = timed();
     if took > MAX_TIME {

@@ -1,10 +1,13 @@
 //! Colours of the data follow edits and levels of detail, and change nothing but colour.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use umbravox::embed::Settings;
 use umbravox::picture::Picture;
-use umbravox::scene::{ColorManagement, RayProjection, Scene, VolumeColor, linear_from_srgb};
+use umbravox::scene::{
+    ColorManagement, Interpolation, RayProjection, Scene, VolumeColor, linear_from_srgb,
+};
 
 use crate::random::subject;
 use crate::sessions::{Subject, assert_valid, device, point, shown};
@@ -99,6 +102,67 @@ fn one_color_stays_itself_at_every_level() {
                 let wanted = light * f64::from(alpha);
                 let difference = (f64::from(channel) - wanted).abs();
                 assert!(difference < 1e-3, "{channel} is not {wanted}, {reduction}");
+            }
+        }
+    }
+    assert_valid(&device);
+}
+
+/// A ball of one colour in voxels of alpha 0, which files leave black.
+fn ball_file(color: [u8; 3]) -> (tempfile::TempDir, PathBuf) {
+    const EDGE: i32 = 40;
+    let mut file = format!(
+        "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 4 {EDGE} {EDGE} {EDGE}\n\
+         kinds: RGBA-color domain domain domain\nencoding: raw\n\n"
+    )
+    .into_bytes();
+    for at in 0..EDGE.pow(3) {
+        let from_centre = [at % EDGE, at / EDGE % EDGE, at / EDGE / EDGE].map(|c| (c - 19).pow(2));
+        let [r, g, b] = color;
+        let inside = from_centre.iter().sum::<i32>() < 12 * 12;
+        file.extend(if inside { [r, g, b, 255] } else { [0; 4] });
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("ball.nrrd");
+    std::fs::write(&path, file).unwrap();
+    (folder, path)
+}
+
+#[test]
+fn what_is_transparent_stains_no_border() {
+    let device = device(|_| {});
+    let color = [200, 17, 90];
+    let linear = color.map(|c| linear_from_srgb(f64::from(c) / 255.0));
+    let (_folder, path) = ball_file(color);
+    let volume = Arc::new(umbravox::io::read(&path, &Default::default()).unwrap());
+    for (interpolation, reduction) in [
+        (Interpolation::Linear, 1.0),
+        (Interpolation::Linear, 8.0),
+        (Interpolation::Bspline, 1.0),
+    ] {
+        let mut scene = Scene::for_volume(&path, &[]).unwrap();
+        scene.image.size = [48; 2];
+        scene.transfer_function.points = Some(vec![
+            point(0.0, [0.1, 0.9, 0.1], 0.0),
+            point(255.0, [0.1, 0.9, 0.1], 0.6),
+        ]);
+        scene.ambient_occlusion = None;
+        scene.lighting.shading = Default::default();
+        scene.march.interpolation = interpolation;
+        scene.storage.data_reduction = reduction;
+        let mut session = device.load(volume.clone(), &scene).unwrap();
+        let picture = session.frame().unwrap();
+        let faint = |alpha: f32| (0.02..0.3).contains(&alpha);
+        let border = picture.rgba.iter().filter(|p| faint(p[3])).count();
+        assert!(border > 10, "{border}");
+        for &[r, g, b, alpha] in &picture.rgba {
+            for (channel, light) in [r, g, b].into_iter().zip(linear) {
+                let wanted = light * f64::from(alpha);
+                let difference = (f64::from(channel) - wanted).abs();
+                assert!(
+                    difference < 1e-3,
+                    "{channel} is not {wanted}: {interpolation:?}, {reduction}"
+                );
             }
         }
     }

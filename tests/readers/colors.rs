@@ -113,7 +113,8 @@ fn alpha_is_the_value_where_it_tells_voxels_apart() {
     let mut file = header.clone().into_bytes();
     file.extend(colors().as_flattened());
     let volume = open(&scratch.file("alpha.nrrd", &file));
-    assert_eq!(volume.colors(), Some(&colors()[..]));
+    // The first is transparent; what it has instead of its colour is the matter of another test.
+    assert_eq!(volume.colors().map(|c| &c[1..]), Some(&colors()[1..]));
     let alpha: Vec<f64> = colors().iter().map(|&[.., alpha]| alpha.into()).collect();
     assert_eq!(stored(&volume), alpha);
 
@@ -123,6 +124,35 @@ fn alpha_is_the_value_where_it_tells_voxels_apart() {
     let volume = open(&scratch.file("constant.nrrd", &file));
     let luma: Vec<f64> = colors().iter().map(|&color| luminance(color)).collect();
     assert_eq!(stored(&volume), luma);
+}
+
+#[test]
+fn transparent_voxels_take_the_colors_beside_them() {
+    let scratch = Scratch::new();
+    let [near, far] = [[200, 0, 40, 255], [0, 100, 40, 85]];
+    // A row of two colours, and nothing around it for further than colours spread.
+    let size = [3, 1, 40];
+    let mut voxels = [[9, 9, 9, 0]; 3 * 2 * 40];
+    voxels[0] = near;
+    voxels[2] = far;
+    let [x, _, z] = size;
+    let header = format!(
+        "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 4 {x} 2 {z}\nkinds: RGBA-color domain domain domain\n\
+         encoding: raw\n\n"
+    );
+    let file = [header.as_bytes(), voxels.as_flattened()].concat();
+    let volume = open(&scratch.file("row.nrrd", &file));
+    let colors = volume.colors().unwrap();
+    assert_eq!([colors[0], colors[2]], [near, far], "what is seen stays");
+    // Weights 255 and 85: three to one.
+    assert_eq!(colors[1], [150, 25, 40, 0]);
+    // Beside the first voxel alone; then, along z, ring after ring.
+    assert_eq!(colors[3], [200, 0, 40, 0]);
+    let plane = 3 * 2;
+    assert_eq!(colors[16 * plane][2], 40, "the last that is reached");
+    assert_eq!(colors[17 * plane], [9, 9, 9, 0], "out of reach");
+    let alpha: Vec<f64> = voxels.iter().map(|&[.., alpha]| alpha.into()).collect();
+    assert_eq!(stored(&volume), alpha);
 }
 
 #[test]

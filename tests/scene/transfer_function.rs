@@ -123,3 +123,33 @@ fn unusual_data_get_a_usable_function() {
         assert!(curve.evaluate(highest).opacity > 0.0);
     }
 }
+
+/// Opacity of a straight way through values, `(from, to, length in mm)`.
+fn opacity(curve: &Curve, [from, to, length]: [f64; 3]) -> f64 {
+    const STEPS: u32 = 1000;
+    let depth: f64 = (0..STEPS)
+        .map(|i| from + (to - from) * (f64::from(i) + 0.5) / f64::from(STEPS))
+        .map(|value| -(1.0 - curve.evaluate(value).opacity).ln())
+        .sum();
+    1.0 - (-depth * length / f64::from(STEPS) / curve.unit_distance).exp()
+}
+
+#[test]
+fn lungs_are_seen_through_the_skin() {
+    let function = TransferFunction {
+        preset: Some("ct-lung".into()),
+        ..TransferFunction::default()
+    };
+    let curve = curve(function, &grid([0.8; 3]));
+    // The border between air and skin is two voxels wide, and so is that of a vessel.
+    let [skin, muscle, lung] = [
+        [-1000.0, 40.0, 1.6],
+        [0.0, 60.0, 100.0],
+        [-820.0, -780.0, 100.0],
+    ];
+    let seen = opacity(&curve, skin);
+    assert!(seen < 0.05, "skin: {seen}");
+    assert_eq!(opacity(&curve, muscle), 0.0);
+    let seen = opacity(&curve, lung);
+    assert!(seen > 0.8, "lung: {seen}");
+}

@@ -1,14 +1,20 @@
 //! Skip cells and distances.
 
-use umbravox::volume::Rescale;
 use umbravox::volume::blocks::{BlockGrid, FINEST, Levels};
 use umbravox::volume::bricks::BrickBuilder;
 use umbravox::volume::cells::CellGrid;
+use umbravox::volume::statistics::BlockStatistics;
+use umbravox::volume::{Rescale, Volume, Voxels};
 
-use super::{Field, Random, positions, random_f32, random_u8, sample_volume};
+use super::{Field, Random, positions, random_f32, random_u8, sample_volume, volume_of};
 
 fn linear(counts: [u32; 3], cell: [u32; 3]) -> usize {
     (cell[0] + counts[0] * (cell[1] + counts[1] * cell[2])) as usize
+}
+
+fn cell_grid(builder: &BrickBuilder, volume: &Volume) -> CellGrid {
+    let statistics = BlockStatistics::of(volume.clone().into()).unwrap();
+    CellGrid::new(builder, &statistics)
 }
 
 #[test]
@@ -20,7 +26,7 @@ fn ranges_bound_every_sample() {
         for _ in 0..6 {
             let levels = random.levels(&grid, 5);
             let builder = BrickBuilder::new(&volume, &grid, &levels).unwrap();
-            let cells = CellGrid::new(&builder, volume.rescale());
+            let cells = cell_grid(&builder, &volume);
             let field = Field::new(&volume, &levels);
             for (block, level) in field.resident() {
                 for at in positions(&grid, block, 21) {
@@ -53,35 +59,38 @@ fn ranges_bound_every_sample() {
 #[test]
 fn ranges_of_the_finest_level_are_exact() {
     let size = [37, 20, 18];
-    let volume = random_u8(size, &mut Random(21));
-    let grid = BlockGrid::new(size).unwrap();
-    let levels = Levels::uniform(&grid, FINEST);
-    let builder = BrickBuilder::new(&volume, &grid, &levels).unwrap();
-    let rescale = Rescale {
-        slope: -2.0,
-        intercept: 10.0,
-    };
-    let cells = CellGrid::new(&builder, rescale);
-    assert_eq!(cells.counts(), [9, 5, 5]);
-    for k in 0..5 {
-        for j in 0..5 {
-            for i in 0..9 {
-                let mut range = [f64::INFINITY, f64::NEG_INFINITY];
-                for z in 4 * k..=(4 * k + 4).min(size[2] - 1) {
-                    for y in 4 * j..=(4 * j + 4).min(size[1] - 1) {
-                        for x in 4 * i..=(4 * i + 4).min(size[0] - 1) {
-                            let v = sample_volume(&volume, [x, y, z].map(f64::from));
-                            range = [range[0].min(v), range[1].max(v)];
-                        }
+    let mut random = Random(21);
+    let signed = volume_of(size, Voxels::I16, |_| random.below(2000) as i16 - 1000);
+    for volume in [random_u8(size, &mut Random(21)), signed] {
+        let grid = BlockGrid::new(size).unwrap();
+        let levels = Levels::uniform(&grid, FINEST);
+        let builder = BrickBuilder::new(&volume, &grid, &levels).unwrap();
+        let rescale = Rescale {
+            slope: -2.0,
+            intercept: 10.0,
+        };
+        let voxels = volume.voxels().clone();
+        let rescaled = Volume::new(voxels, size, volume.world_from_ix(), rescale).unwrap();
+        let cells = cell_grid(&builder, &rescaled);
+        assert_eq!(cells.counts(), [9, 5, 5]);
+        for (k, j, i) in
+            (0..5).flat_map(|k| (0..5).flat_map(move |j| (0..9).map(move |i| (k, j, i))))
+        {
+            let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+            for z in 4 * k..=(4 * k + 4).min(size[2] - 1) {
+                for y in 4 * j..=(4 * j + 4).min(size[1] - 1) {
+                    for x in 4 * i..=(4 * i + 4).min(size[0] - 1) {
+                        let v = sample_volume(&volume, [x, y, z].map(f64::from));
+                        range = [range[0].min(v), range[1].max(v)];
                     }
                 }
-                let cell = linear(cells.counts(), [i, j, k]);
-                assert_eq!(cells.stored_range(cell).unwrap().map(f64::from), range);
-                assert_eq!(
-                    cells.value_range(cell).unwrap(),
-                    [10.0 - 2.0 * range[1], 10.0 - 2.0 * range[0]]
-                );
             }
+            let cell = linear(cells.counts(), [i, j, k]);
+            assert_eq!(cells.stored_range(cell).unwrap().map(f64::from), range);
+            assert_eq!(
+                cells.value_range(cell).unwrap(),
+                [10.0 - 2.0 * range[1], 10.0 - 2.0 * range[0]]
+            );
         }
     }
 }
@@ -94,7 +103,7 @@ fn occupancy_follows_residency_and_visibility() {
     let grid = BlockGrid::new(size).unwrap();
     let levels = random.levels(&grid, 2);
     let builder = BrickBuilder::new(&volume, &grid, &levels).unwrap();
-    let cells = CellGrid::new(&builder, volume.rescale());
+    let cells = cell_grid(&builder, &volume);
     let all = cells.occupancy(|_| true);
     let some = cells.occupancy(|range| range[1] > 0.97);
     let counts = cells.counts();

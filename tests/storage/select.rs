@@ -51,7 +51,7 @@ fn own_voxels(grid: &BlockGrid, selection: &Selection) -> u64 {
 #[test]
 fn everything_is_finest_when_it_fits() {
     let volume = ball();
-    let statistics = BlockStatistics::of(&volume).unwrap();
+    let statistics = BlockStatistics::of(volume.clone().into()).unwrap();
     let selection = select(&statistics, &Above(60.0), &request(1.0, 1 << 30)).unwrap();
     let blocks = statistics.grid().len();
     assert_eq!(selection.levels.by_block, vec![Some(FINEST); blocks]);
@@ -63,7 +63,7 @@ fn everything_is_finest_when_it_fits() {
 #[test]
 fn error_falls_as_the_budget_grows() {
     let volume = ball();
-    let statistics = BlockStatistics::of(&volume).unwrap();
+    let statistics = BlockStatistics::of(volume.clone().into()).unwrap();
     let grid = statistics.grid();
     let cells = own_voxels(
         grid,
@@ -124,13 +124,13 @@ fn error_falls_as_the_budget_grows() {
 #[test]
 fn hidden_blocks_are_absent_and_leave_no_ghost() {
     let volume = ball();
-    let statistics = BlockStatistics::of(&volume).unwrap();
+    let statistics = BlockStatistics::of(volume.clone().into()).unwrap();
     let grid = *statistics.grid();
     let shown = Above(60.0);
     let selection = select(&statistics, &shown, &request(5.0, 1 << 30)).unwrap();
     let mut hidden = 0;
     for block in 0..grid.len() {
-        let visible = shown.visible(statistics.block_value_range(block, FINEST));
+        let visible = shown.visible(statistics.block_value_range(block));
         assert_eq!(selection.levels.by_block[block].is_some(), visible);
         hidden += usize::from(!visible);
     }
@@ -172,7 +172,7 @@ fn hidden_blocks_are_absent_and_leave_no_ghost() {
 #[test]
 fn tight_budgets_lower_the_floor_and_say_what_is_lost() {
     let volume = random_u8([65, 65, 65], &mut Random(51));
-    let statistics = BlockStatistics::of(&volume).unwrap();
+    let statistics = BlockStatistics::of(volume.clone().into()).unwrap();
     // 64 visible blocks of 4096 cells.
     for (reduction, lowest, dropped) in [
         (60.0, Some(2), false),
@@ -195,7 +195,7 @@ fn tight_budgets_lower_the_floor_and_say_what_is_lost() {
 fn steps_without_gain_are_not_taken() {
     // Constant blocks and linear ramps gain nothing from finer levels.
     let volume = volume_of([65, 33, 33], Voxels::F32, |at| at[0].max(16) as f32 + 100.0);
-    let statistics = BlockStatistics::of(&volume).unwrap();
+    let statistics = BlockStatistics::of(volume.clone().into()).unwrap();
     let selection = select(&statistics, &Above(60.0), &request(1.5, 1 << 30)).unwrap();
     let blocks = statistics.grid().len();
     assert_eq!(selection.by_level, [0, 0, blocks, 0, 0]);
@@ -205,8 +205,8 @@ fn steps_without_gain_are_not_taken() {
 #[test]
 fn the_same_request_gives_the_same_levels() {
     let volume = ball();
-    let statistics = BlockStatistics::of(&volume).unwrap();
-    let again = BlockStatistics::of(&volume).unwrap();
+    let statistics = BlockStatistics::of(volume.clone().into()).unwrap();
+    let again = BlockStatistics::of(volume.clone().into()).unwrap();
     for reduction in [1.5, 4.0, 12.0] {
         assert_eq!(
             select(&statistics, &Above(60.0), &request(reduction, 1 << 20)).unwrap(),
@@ -223,7 +223,7 @@ fn detail_goes_where_the_transfer_function_shows_it() {
         let base = if at[0] <= 32 { 170 } else { 70 };
         base + random.below(60) as u8
     });
-    let statistics = BlockStatistics::of(&volume).unwrap();
+    let statistics = BlockStatistics::of(volume.clone().into()).unwrap();
     let selection = select(&statistics, &Above(60.0), &request(2.2, 1 << 30)).unwrap();
     for (block, level) in selection.levels.by_block.iter().enumerate() {
         let varied = statistics.grid().position(block)[0] > 2;
@@ -235,7 +235,7 @@ fn detail_goes_where_the_transfer_function_shows_it() {
 
 #[test]
 fn a_reduction_below_one_is_refused() {
-    let statistics = BlockStatistics::of(&ball()).unwrap();
+    let statistics = BlockStatistics::of(ball().into()).unwrap();
     for reduction in [0.5, 0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(select(&statistics, &Above(60.0), &request(reduction, 1)).is_err());
     }

@@ -7,6 +7,12 @@ use umbravox::io::{FORMATS, Format};
 use crate::args::FormatsArgs;
 use crate::terminal;
 
+/// What is no format of its own.
+const BESIDES: &str = "\
+Headerless files are read as `volume.raw` describes them, or as their name does (head_256x256x128_uint8.raw).
+Any of these may be packed: .gz, .xz, .zip, .tar, .tar.gz, .tar.xz. docs/formats.md says what is read of each.
+";
+
 /// A row of the table.
 #[derive(Serialize)]
 struct Row {
@@ -45,5 +51,5 @@ pub(crate) fn run(args: &FormatsArgs) -> Result<()> {
             )
         })
         .collect();
-    terminal::print(&text)
+    terminal::print(&format!("{text}{BESIDES}"))
 }

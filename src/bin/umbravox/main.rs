@@ -15,15 +15,16 @@ mod series;
 mod terminal;
 mod tf;
 
+use std::alloc::System;
 use std::process::ExitCode;
 
-use peak_alloc::PeakAlloc;
+use peakmem_alloc::{PeakMemAlloc, PeakMemAllocTrait as _};
 
 use args::Command;
 
 /// Counts host memory, for `memory.host_peak_bytes` of the statistics.
 #[global_allocator]
-static ALLOCATOR: PeakAlloc = PeakAlloc;
+static ALLOCATOR: PeakMemAlloc<System> = PeakMemAlloc::new(System);
 
 fn main() -> ExitCode {
     let cli = match args::parse() {
@@ -58,7 +59,7 @@ fn stats_of(
     session: &mut umbravox::headless::Session,
 ) -> umbravox::Result<umbravox::headless::Stats> {
     let mut stats = session.stats()?;
-    stats.memory.host_peak_bytes = ALLOCATOR.peak_usage() as u64;
+    stats.memory.host_peak_bytes = ALLOCATOR.get_peak_memory() as u64;
     Ok(stats)
 }
 

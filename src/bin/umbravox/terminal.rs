@@ -7,24 +7,27 @@ use std::process::ExitCode;
 use serde::Serialize;
 use serde_json::Value;
 use tracing::Level;
+use tracing_subscriber::filter::Targets;
+use tracing_subscriber::prelude::*;
 use umbravox::{Error, Result};
 
 const BAD_INPUT: u8 = 2;
 const FAILED: u8 = 1;
 
-/// Sends log messages to stderr: warnings, or more.
+/// Sends log messages to stderr: warnings, or more. Of other crates, whose warnings come once for each file, one level less.
 pub(crate) fn log_to_stderr(verbosity: u8) {
-    let level = match verbosity {
-        0 => Level::WARN,
-        1 => Level::INFO,
-        2 => Level::DEBUG,
-        _ => Level::TRACE,
-    };
-    tracing_subscriber::fmt()
-        .with_max_level(level)
+    let levels = [Level::ERROR, Level::WARN, Level::INFO, Level::DEBUG];
+    let others = usize::from(verbosity).min(levels.len() - 1);
+    let own = levels.get(others + 1).copied().unwrap_or(Level::TRACE);
+    let targets = Targets::new()
+        .with_default(levels[others])
+        .with_target("umbravox", own);
+    let lines = tracing_subscriber::fmt::layer()
         .with_writer(io::stderr)
         .with_ansi(io::stderr().is_terminal())
-        .without_time()
+        .without_time();
+    tracing_subscriber::registry()
+        .with(lines.with_filter(targets))
         .init();
 }
 

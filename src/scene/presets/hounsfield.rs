@@ -58,14 +58,15 @@ pub(super) const PRESETS: [Preset; 5] = [
     },
     Preset {
         name: "ct-lung",
-        description: "lung and airways; the body around them left out",
+        description: "lung, its vessels brighter; the body around it is a faint shell",
         scale: Scale::Hounsfield(&[
-            (-960.0, [0.30, 0.42, 0.55], 0.0),
-            (-900.0, [0.42, 0.50, 0.62], 0.004),
-            (-750.0, [0.70, 0.52, 0.52], 0.01),
-            (-600.0, [0.85, 0.55, 0.48], 0.06),
-            (-450.0, [0.92, 0.62, 0.50], 0.16),
-            (-250.0, [0.90, 0.55, 0.45], 0.0),
+            // Faint everywhere: lungs are deep, and the skin, which passes through their values too, is not.
+            (-930.0, [0.25, 0.36, 0.50], 0.0),
+            (-880.0, [0.38, 0.46, 0.60], 0.012),
+            (-780.0, [0.62, 0.50, 0.55], 0.02),
+            (-620.0, [0.90, 0.58, 0.48], 0.035),
+            (-480.0, [1.0, 0.80, 0.66], 0.03),
+            (-350.0, [1.0, 0.85, 0.75], 0.0),
         ]),
     },
 ];

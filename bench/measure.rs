@@ -14,8 +14,8 @@ use umbravox::volume::Volume;
 use crate::fields::Field;
 use crate::figures::{Case, Light, Picture, Spread};
 
-/// Bytes of a pixel: the picture, and what the headless renderer measures beside it.
-const PIXEL_BYTES: u64 = 2 * 16;
+/// Bytes of a pixel: the picture, what the headless renderer measures beside it, and the buffer that is read back through.
+const PIXEL_BYTES: u64 = 3 * 16;
 
 /// A scene that draws `case`.
 pub(crate) fn scene(field: &Field, case: &Case) -> Scene {

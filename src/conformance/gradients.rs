@@ -9,6 +9,8 @@ use crate::headless::Headless;
 use crate::scene::{Gradient, Isosurface, RayProjection, Shading};
 
 const ROUNDING: f64 = 1e-5;
+/// Stored gradients are off by 2^-11 of each component, and light by less.
+const HALVES: f64 = 4e-4;
 /// Voxels from the border within which estimates find the border repeated.
 const REACH: f64 = 3.0;
 /// Steepest way up, world space, unit length.
@@ -64,10 +66,11 @@ pub(super) fn checks(device: &Headless) -> Result<Vec<Check>> {
     lighting.shading = Shading::Diffuse;
     lighting.direction = Some(LIGHT.to_array());
     let expected = lighting.ambient + lighting.diffuse * NORMAL.dot(LIGHT).abs();
-    let mut checks = Vec::new();
-    for (name, what, estimator) in ESTIMATORS {
-        let mut worst = Worst::default();
-        let subject = subject.with(|scene| scene.lighting.gradient = estimator);
+    let off_by = |estimator: Gradient, stored: bool, worst: &mut Worst| {
+        let subject = subject.with(|scene| {
+            scene.lighting.gradient = estimator;
+            scene.lighting.stored_gradients = stored;
+        });
         subject.each_picture(device, &[0.5], |_, picture, rays| {
             for (pixel, (origin, direction)) in picture.rgba.iter().zip(rays) {
                 let distance = -height(*origin) / direction.dot(NORMAL);
@@ -76,8 +79,25 @@ pub(super) fn checks(device: &Headless) -> Result<Vec<Check>> {
                     worst.add(f64::from(pixel[0]) - expected);
                 }
             }
-        })?;
+        })
+    };
+    let mut checks = Vec::new();
+    for (name, what, estimator) in ESTIMATORS {
+        let mut worst = Worst::default();
+        off_by(estimator, false, &mut worst)?;
         checks.push(Check::new(name, what, "linear", worst.figure(), ROUNDING));
     }
+    let mut worst = Worst::default();
+    for (_, _, estimator) in ESTIMATORS.iter().filter(|(_, _, e)| !e.is_cubic()) {
+        off_by(*estimator, true, &mut worst)?;
+    }
+    let what = "by estimates that were stored";
+    checks.push(Check::new(
+        "gradient.stored",
+        what,
+        "linear",
+        worst.figure(),
+        HALVES,
+    ));
     Ok(checks)
 }

@@ -17,7 +17,7 @@ pub(super) fn gradients(
     residency: &Residency,
     settings: &Settings,
 ) -> Result<Option<GradientVolume>> {
-    let Some(estimator) = settings.gradient() else {
+    let Some(estimator) = settings.stored_gradient() else {
         return Ok(None);
     };
     let others = other_texel_bytes(settings);

@@ -170,7 +170,7 @@ impl Loaded {
             .transpose()?;
         let regradient = residency.is_some()
             || reimage
-            || settings.gradient() != old.gradient()
+            || settings.stored_gradient() != old.stored_gradient()
             || settings.storage != old.storage;
         let gradients = regradient
             .then(|| gradients(context, &self.store, current, &settings))

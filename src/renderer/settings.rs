@@ -145,8 +145,8 @@ impl Settings {
             && self.march.classification() == Classification::Preintegrated
     }
 
-    /// The estimator of the gradients that samples need, if they need any and all blocks are one field.
-    pub(super) fn gradient(&self) -> Option<Gradient> {
+    /// The estimator of the gradients that are to be stored, if samples need some and all blocks are one field.
+    pub(super) fn stored_gradient(&self) -> Option<Gradient> {
         let lighting = &self.lighting;
         let shaded = match self.march.projection {
             RayProjection::Composite | RayProjection::Isosurface if !self.transports() => {
@@ -154,7 +154,8 @@ impl Settings {
             }
             _ => self.transports() && lighting.reflectance != Reflectance::Particles,
         };
-        (shaded && self.march.inter_block_interpolation).then_some(lighting.gradient)
+        let stored = lighting.stored_gradients && self.march.inter_block_interpolation;
+        (shaded && stored).then_some(lighting.gradient)
     }
 
     /// Labels must lie where the volume does, and colours that are to be drawn must be there.

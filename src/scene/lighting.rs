@@ -99,6 +99,10 @@ pub struct Lighting {
     pub shading: Shading,
     /// How the gradient is estimated, whatever the march's interpolation. Default central differences.
     pub gradient: Gradient,
+    /// Estimate gradients once, at voxels, and read them: where all blocks are at the finest level and `storage.memory_budget_mib` has
+    /// room, for estimators that go from voxel to voxel. In 10 bits for central differences of 8-bit volumes, which is exact, else in
+    /// halves. Off: estimated at every sample, in 32 bits. Default on.
+    pub stored_gradients: bool,
     /// Unit-less direction from the scene towards the light, world space; absent: a headlight at the eye
     /// (opposite to each ray's direction).
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -146,6 +150,7 @@ impl Default for Lighting {
             model: OpticalModel::EmissionAbsorption,
             shading: Shading::None,
             gradient: Gradient::CentralDifferences,
+            stored_gradients: true,
             direction: None,
             ambient: 0.3,
             diffuse: 0.7,

@@ -67,6 +67,8 @@ fn subject(random: &mut Random, spikes: bool) -> Subject {
     if random.chance(0.5) {
         subject.scene.lighting.shading = Shading::Diffuse;
         subject.scene.lighting.direction = Some(DVec3::ONE.to_array());
+        // Stored gradients, which mixed levels do not have, are halves.
+        subject.scene.lighting.stored_gradients = false;
     }
     subject
 }

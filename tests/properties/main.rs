@@ -6,6 +6,7 @@ mod bits;
 mod colors;
 #[path = "../common/fields.rs"]
 mod fields;
+mod gradients;
 mod labels;
 mod levels;
 mod light;

@@ -169,9 +169,9 @@ fn responses_to_one_voxel() {
     }
 }
 
-/// Taps lie one voxel away and stop at the border: the square of the index tells where they were.
+/// Between voxels of what holds at voxels, one-sided on the border: the square of the index tells.
 #[test]
-fn central_taps_are_clamped_to_the_field() {
+fn central_differences_go_from_voxel_to_voxel() {
     let volume = volume_of([6, 2, 2], DAffine3::IDENTITY, |[i, _, _]| f64::from(i * i));
     let field = Field::new(&volume);
     let slope = |x| {
@@ -183,8 +183,11 @@ fn central_taps_are_clamped_to_the_field() {
     };
     assert_close(slope(2.0), 4.0, 1e-12);
     assert_close(slope(2.5), 5.0, 1e-12);
-    // Taps at 0 and 1.25, where the field is 0 and 1 + 0.25 * 3.
-    assert_close(slope(0.25), 1.75 / 1.25, 1e-12);
+    // A quarter of the way from 1, which voxel 0 finds on its one side, to 2.
+    assert_close(slope(0.25), 1.25, 1e-12);
+    // The two taps that shaders take: 0, and 2 / (2 - 0.25), where the field is 1 + 3 / 7.
+    assert_close(slope(0.25), (10.0 / 7.0) / (8.0 / 7.0), 1e-12);
+    assert_close(slope(4.6), 0.4 * 8.0 + 0.6 * 9.0, 1e-12);
     assert_close(slope(0.0), 1.0, 1e-12);
     assert_close(slope(5.0), 9.0, 1e-12);
 }

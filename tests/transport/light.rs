@@ -67,7 +67,8 @@ fn surfaces_reflect_by_their_gradient() {
         ("blinn_phong", n_h.powf(shininess)),
         ("cook_torrance", facets * masking * fresnel / 4.0),
     ] {
-        let scene = scene(json!({
+        let scene = |stored: bool| {
+            scene(json!({
             "volume": { "path": "ramp" },
             "camera": { "type": "orthographic", "eye": [-20, 5, 5], "target": [5, 5, 5], "up": [0, 0, 1], "height": 4 },
             "image": { "size": [4, 4], "color_management": "none" },
@@ -76,20 +77,24 @@ fn surfaces_reflect_by_their_gradient() {
                 { "value": 50, "color": [COLOR, COLOR, COLOR], "opacity": OPACITY },
             ] },
             "lighting": { "model": "single_scattering", "reflectance": model, "strength": STRENGTH, "specular": 0.9,
-                "shininess": shininess, "roughness": roughness,
+                "shininess": shininess, "roughness": roughness, "stored_gradients": stored,
                 "lights": [{ "type": "directional", "direction": light.to_array(), "irradiance": [2, 2, 2] }] },
-        }));
-        let picture = picture(&headless(), &volume, &scene);
+            }))
+        };
         let tau = -f64::ln_1p(-OPACITY);
         let through = (-tau * f64::from(SIZE - 1)).exp();
         let source = STRENGTH * OPACITY * SLOPE / 50.0 * (COLOR * n_l + 0.9 * highlight) * 2.0;
         let expected = source * (1.0 - through) / tau;
-        for pixel in &picture.rgba {
-            let found = f64::from(pixel[0]);
-            assert!(
-                (found / expected - 1.0).abs() < 2e-4,
-                "{model}: {found}, not {expected}"
-            );
+        // Stored gradients are halves.
+        for (stored, bound) in [(false, 2e-4), (true, 2e-4 + 2f64.powi(-11))] {
+            let picture = picture(&headless(), &volume, &scene(stored));
+            for pixel in &picture.rgba {
+                let found = f64::from(pixel[0]);
+                assert!(
+                    (found / expected - 1.0).abs() < bound,
+                    "{model}, stored {stored}: {found}, not {expected}"
+                );
+            }
         }
     }
 }

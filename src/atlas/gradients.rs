@@ -35,11 +35,13 @@ impl Coding {
         let eight_bits = matches!(voxels, VoxelType::U8 | VoxelType::I8);
         let ten_bits = vk::Format::A2B10G10R10_UNORM_PACK32;
         if eight_bits
+            && context.capabilities().device_type == "cpu"
             && estimator == Gradient::CentralDifferences
             && context.can_store(ten_bits)
             && context.filters_linearly(ten_bits)
         {
             // Differences of two voxels are whole numbers of halves of a step of theirs, at most 510: all of them are exact.
+            // Texture units of GPUs may filter such texels with few more bits, and what that leaves of no gradient has a direction.
             return Self {
                 format: ten_bits,
                 texel_bytes: 4,

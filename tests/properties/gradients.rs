@@ -105,6 +105,23 @@ fn stored_gradients_show_what_estimated_ones_do() {
     assert_valid(&device);
 }
 
+/// Where nothing rises, nothing is a surface: no gradient stays none.
+#[test]
+fn flat_places_have_no_gradient() {
+    let device = device(|_| {});
+    let clipped = waves()
+        .into_iter()
+        .map(|v| (255.0 * v.min(0.8)).round() as u8);
+    let subject = subject(Voxels::U8(clipped.collect()), 255.0, 0.4);
+    let estimated = subject.with(|scene| scene.lighting.stored_gradients = false);
+    let mut session = subject.session(&device);
+    let stored = session.frame().unwrap();
+    assert!(stores(&session));
+    let difference = largest_difference(&stored, &estimated.picture(&device));
+    assert!(difference < 2e-5, "{difference}");
+    assert_valid(&device);
+}
+
 #[test]
 fn what_comes_into_sight_has_gradients() {
     let device = device(|_| {});

@@ -15,8 +15,8 @@ use crate::scene::Gradient;
 use crate::volume::VoxelType;
 use crate::volume::cells::SKIP_CELLS;
 
-/// Edge of what is computed together, voxels.
-const CHUNK: u32 = 16;
+/// Edge of what is computed together, voxels; the shader's `CHUNK`.
+pub(crate) const CHUNK: u32 = 16;
 
 /// How texels stand for gradients.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +30,8 @@ struct Coding {
 }
 
 impl Coding {
-    fn of(context: &Context, store: &Store, estimator: Gradient) -> Self {
+    /// `None` where halves cannot hold what the volume's range makes of gradients.
+    fn of(context: &Context, store: &Store, estimator: Gradient) -> Option<Self> {
         let voxels = store.volume.voxels().voxel_type();
         let eight_bits = matches!(voxels, VoxelType::U8 | VoxelType::I8);
         let ten_bits = vk::Format::A2B10G10R10_UNORM_PACK32;
@@ -42,12 +43,12 @@ impl Coding {
         {
             // Differences of two voxels are whole numbers of halves of a step of theirs, at most 510: all of them are exact.
             // Texture units of GPUs may filter such texels with few more bits, and what that leaves of no gradient has a direction.
-            return Self {
+            return Some(Self {
                 format: ten_bits,
                 texel_bytes: 4,
                 unit: 1023.0 / 510.0,
                 zero: 512.0 / 1023.0,
-            };
+            });
         }
         // Numbers up to 1024 and a little, so that what is thousands of times smaller keeps its digits.
         let range = match voxels {
@@ -57,12 +58,13 @@ impl Coding {
             }
             _ => 1.0,
         };
-        Self {
+        let unit = if range == 0.0 { 1.0 } else { range / 1024.0 };
+        unit.is_normal().then_some(Self {
             format: vk::Format::R16G16B16A16_SFLOAT,
             texel_bytes: 8,
-            unit: if range > 0.0 { range / 1024.0 } else { 1.0 },
+            unit,
             zero: 0.0,
-        }
+        })
     }
 }
 
@@ -81,7 +83,8 @@ pub(crate) struct GradientVolume {
 }
 
 impl GradientVolume {
-    /// `None` where bricks are packed, the estimator looks further than between voxels, or the budget, which the texels of the atlas
+    /// `None` where bricks are packed, the estimator looks further than between voxels, the values span too much or too little
+    /// for halves, or the budget, which the texels of the atlas
     /// share, has no room.
     ///
     /// # Errors
@@ -98,7 +101,9 @@ impl GradientVolume {
         if !residency.layout.is_grid() || estimator.is_cubic() {
             return Ok(None);
         }
-        let coding = Coding::of(context, store, estimator);
+        let Some(coding) = Coding::of(context, store, estimator) else {
+            return Ok(None);
+        };
         let voxel_bytes = store.volume.voxels().voxel_type().bytes() as u64;
         let texel_bytes = voxel_bytes + u64::from(other_texel_bytes + coding.texel_bytes);
         if residency.layout.texels().saturating_mul(texel_bytes) > budget_bytes {

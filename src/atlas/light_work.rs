@@ -113,6 +113,11 @@ impl LightWork {
         (group, u64::from(low) | u64::from(high) << 32)
     }
 
+    /// True when the same samples are traced and copied.
+    pub(crate) fn lists_equal(&self, other: &Self) -> bool {
+        self.trace == other.trace && self.seam == other.seam && self.blocks == other.blocks
+    }
+
     /// Samples that are traced.
     pub(crate) fn samples(&self) -> u64 {
         let samples = |entry| u64::from(Self::group(entry).1.count_ones());
@@ -151,10 +156,13 @@ impl GroupFinder<'_> {
                 for x in 0..groups[0] {
                     let group = [x, y, z];
                     let mut samples = self.lit_samples(block, intervals, group);
-                    let border = if !shared && self.is_near_visible(block, intervals, group) {
-                        border_samples(intervals, group)
-                    } else {
-                        0
+                    let edge = match shared {
+                        true => 0,
+                        false => border_samples(intervals, group),
+                    };
+                    let border = match self.is_near_visible(block, intervals, group) {
+                        true => edge,
+                        false => edge & samples,
                     };
                     samples |= border;
                     if samples == 0 {

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::{Reconstruction, Variants, gradient_constant, sampled};
-use crate::atlas::{GradientVolume, Images};
+use crate::atlas::{GRADIENT_CHUNK, GradientVolume, Images};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Buffer, Context, Recorder, Uniforms};
 use crate::shader::generated::*;
@@ -22,7 +22,7 @@ use crate::shader::structs::PartPush;
 /// Bounds one dispatch to about 4 million voxels.
 const CHUNKS_A_DISPATCH: usize = 1024;
 /// Workgroups of a chunk.
-const GROUPS: u32 = 64;
+const GROUPS: u32 = (GRADIENT_CHUNK / 4).pow(3);
 
 /// What the pass works on.
 pub(crate) struct GradientsResources<'a> {

@@ -198,7 +198,7 @@ impl Loaded {
             && self.settings.same_light(&settings)
             && visibility
                 .as_ref()
-                .is_none_or(|new| new.light.trace == self.visibility.light.trace);
+                .is_none_or(|new| new.light.lists_equal(&self.visibility.light));
         if let Some(images) = images {
             self.images = images;
             self.uploads = Uploads::all(current);

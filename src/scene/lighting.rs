@@ -99,9 +99,9 @@ pub struct Lighting {
     pub shading: Shading,
     /// How the gradient is estimated, whatever the march's interpolation. Default central differences.
     pub gradient: Gradient,
-    /// Estimate gradients once, at voxels, and read them: where all blocks are at the finest level and `storage.memory_budget_mib` has
-    /// room, for estimators that go from voxel to voxel. In 10 bits for central differences of 8-bit volumes on CPU drivers, which
-    /// is exact, else in halves. Off: estimated at every sample, in 32 bits. Default on.
+    /// Estimate gradients once, at voxels, and read them: where all blocks are at the finest level (`storage.data_reduction` 1) and
+    /// `storage.memory_budget_mib` has room, for estimators that go from voxel to voxel. In 10 bits for central differences of 8-bit
+    /// volumes on CPU drivers, which is exact, else in halves. Off: estimated at every sample, in 32 bits. Default on.
     pub stored_gradients: bool,
     /// Unit-less direction from the scene towards the light, world space; absent: a headlight at the eye
     /// (opposite to each ray's direction).

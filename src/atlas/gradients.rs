@@ -84,8 +84,7 @@ pub(crate) struct GradientVolume {
 
 impl GradientVolume {
     /// `None` where bricks are packed, the estimator looks further than between voxels, the values span too much or too little
-    /// for halves, or the budget, which the texels of the atlas
-    /// share, has no room.
+    /// for halves, or the budget, which the texels of the atlas share, has no room.
     ///
     /// # Errors
     /// [`crate::Error::OutOfMemory`].

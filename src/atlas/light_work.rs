@@ -156,14 +156,13 @@ impl GroupFinder<'_> {
                 for x in 0..groups[0] {
                     let group = [x, y, z];
                     let mut samples = self.lit_samples(block, intervals, group);
-                    let edge = match shared {
-                        true => 0,
-                        false => border_samples(intervals, group),
-                    };
-                    let border = match self.is_near_visible(block, intervals, group) {
-                        true => edge,
-                        false => edge & samples,
-                    };
+                    let mut border = 0;
+                    if !shared {
+                        border = border_samples(intervals, group);
+                        if !self.is_near_visible(block, intervals, group) {
+                            border &= samples;
+                        }
+                    }
                     samples |= border;
                     if samples == 0 {
                         continue;
@@ -218,22 +217,26 @@ impl GroupFinder<'_> {
     fn lit_samples(&self, block: usize, intervals: [u32; 3], group: [u32; 3]) -> u64 {
         let base = self.grid.origin_ix(block);
         let cells = self.grid.cells(block);
-        samples_where(intervals, group, |sample| {
-            let voxel = |a: usize, sample: i64| {
-                let [cells, intervals] = [cells[a], intervals[a]].map(i64::from);
-                (sample * cells, intervals)
-            };
-            // What is strictly nearer than the next sample on either side; at the finest level, the voxel itself.
+        // From one sample to another: what is strictly nearer than the next sample on either side; at the finest level of a single
+        // sample, its voxel.
+        let any_between = |first: [u32; 3], last: [u32; 3]| {
+            let scale = |a: usize| [cells[a], intervals[a]].map(i64::from);
             let low = std::array::from_fn(|a| {
-                let (at, of) = voxel(a, i64::from(sample[a]) - 1);
-                i64::from(base[a]) + at.div_euclid(of) + 1
+                let [cells, intervals] = scale(a);
+                i64::from(base[a]) + ((i64::from(first[a]) - 1) * cells).div_euclid(intervals) + 1
             });
             let high = std::array::from_fn(|a| {
-                let (at, of) = voxel(a, i64::from(sample[a]) + 1);
-                i64::from(base[a]) + (at - 1).div_euclid(of)
+                let [cells, intervals] = scale(a);
+                i64::from(base[a]) + ((i64::from(last[a]) + 1) * cells - 1).div_euclid(intervals)
             });
             self.lit.any(low, high)
-        })
+        };
+        // Most groups of most volumes are dark.
+        let first = group.map(|g| g * GROUP);
+        if !any_between(first, first.map(|s| s + GROUP - 1)) {
+            return 0;
+        }
+        samples_where(intervals, group, |sample| any_between(sample, sample))
     }
 
     /// True when a visible skip cell lies where the samples of a group have weight.

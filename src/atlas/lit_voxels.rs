@@ -3,6 +3,8 @@
 //! A sample that shows something reads the light of the eight voxels around it. Cells between voxels whose range of values the
 //! transfer function does not show hold no such sample, so that most of a volume needs no light.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::residency::{Residency, Store};
@@ -103,13 +105,21 @@ impl LitVoxels {
     pub(crate) fn any(&self, low: [i64; 3], high: [i64; 3]) -> bool {
         let clip =
             |a: usize| low[a].max(0) as usize..(high[a] + 1).clamp(0, self.size[a] as i64) as usize;
+        let columns = clip(0);
         clip(2).any(|z| {
-            clip(1).any(|y| {
-                let words = &self.bits[self.row * (y + self.size[1] * z)..];
-                clip(0).any(|x| words[x / WORD_BITS] >> (x % WORD_BITS) & 1 == 1)
-            })
+            clip(1).any(|y| has_bit(&self.bits[self.row * (y + self.size[1] * z)..], &columns))
         })
     }
+}
+
+/// True when one of a range of bits is set.
+fn has_bit(words: &[u64], bits: &Range<usize>) -> bool {
+    (bits.start / WORD_BITS..bits.end.div_ceil(WORD_BITS)).any(|word| {
+        let first = bits.start.max(word * WORD_BITS) % WORD_BITS;
+        let after = (word + 1) * WORD_BITS;
+        let mask = u64::MAX << first & u64::MAX >> (after - bits.end.min(after));
+        words[word] & mask != 0
+    })
 }
 
 /// The rows of one layer of blocks.

@@ -45,18 +45,14 @@ void main() {
     if (gl_WorkGroupID.x >= push.count) {
         return;
     }
-    LightSample s = light_sample(work[push.first + gl_WorkGroupID.x], gl_LocalInvocationID);
-    Brick brick = brick_of(s.record);
-    ivec3 last = ivec3(brick.intervals);
-    bool border = any(equal(s.local, ivec3(0))) || any(equal(s.local, last));
-    if (any(greaterThan(s.local, last)) || !border) {
+    uvec4 entry = work[push.first + gl_WorkGroupID.x];
+    if (!has_sample(entry, gl_LocalInvocationIndex)) {
         return;
     }
+    LightSample s = light_sample(entry, listed_sample(entry, gl_LocalInvocationIndex));
+    Brick brick = brick_of(s.record);
     Sharing sharing = sharing_of(brick, s.record.block_bx, s.local);
     bool coarser = sharing.coarsest_level < brick.level;
-    if (!coarser && sharing.owner_bx == s.record.block_bx) {
-        return;
-    }
     Brick from = brick_fetch(coarser ? sharing.coarsest_bx : sharing.owner_bx);
     imageStore(i_light, s.sample_at, round_to_half(light_between(from, sample_position_ix(brick, s.local))));
 }

@@ -129,16 +129,6 @@ void main() {
     }
     LightSample s = light_sample(entry, listed_sample(entry, gl_LocalInvocationIndex));
     Brick brick = brick_of(s.record);
-    ivec3 last = ivec3(brick.intervals);
-    if (any(greaterThan(s.local, last))) {
-        return;
-    }
-    if (any(equal(s.local, ivec3(0))) || any(equal(s.local, last))) {
-        Sharing sharing = sharing_of(brick, s.record.block_bx, s.local);
-        if (sharing.owner_bx != s.record.block_bx || sharing.coarsest_level < brick.level) {
-            return;
-        }
-    }
     vec4 light = light_along(sample_position_ix(brick, s.local), brick.level);
     vec4 mean = push.ray == 0u ? vec4(0.0) : imageLoad(i_light, s.sample_at);
     if (COUNT) {

@@ -34,7 +34,7 @@ pub(crate) struct LightWork {
     pub(crate) blocks: Vec<usize>,
     /// Groups to trace.
     pub(crate) trace: Vec<WorkEntry>,
-    /// Groups with samples that other bricks compute or constrain, and the range of each level, coarsest first.
+    /// Groups with samples that other bricks compute, and the range of each level, coarsest first.
     pub(crate) seam: Vec<WorkEntry>,
     /// First entry of each level in `seam`, and the end.
     pub(crate) seam_levels: [usize; LEVELS + 1],
@@ -141,7 +141,7 @@ impl GroupFinder<'_> {
     fn brick(&self, block: usize) -> Option<BrickWork> {
         let level = self.level(block)?;
         let intervals = self.grid.intervals(block, level);
-        let around = self.neighbors(block, level);
+        let computed = self.computed(block, level);
         let mut work = BrickWork {
             block,
             level,
@@ -156,30 +156,21 @@ impl GroupFinder<'_> {
                 for x in 0..groups[0] {
                     let group = [x, y, z];
                     let mut samples = self.lit_samples(block, intervals, group);
-                    let mut border = 0;
-                    if !shared {
-                        border = border_samples(intervals, group);
-                        if !self.is_near_visible(block, intervals, group) {
-                            border &= samples;
-                        }
-                    }
-                    samples |= border;
-                    if samples == 0 {
-                        continue;
+                    let border = border_samples(intervals, group);
+                    if !shared && border != 0 && self.is_near_visible(block, intervals, group) {
+                        samples |= border;
                     }
                     let packed = x | y << 8 | z << 16;
-                    // A group that holds nothing but the last sample of an axis is computed by the next brick of that
-                    // axis, or follows it.
-                    let computed_elsewhere = (0..3)
-                        .any(|a| group[a] * GROUP == intervals[a] && around.next_not_finer[a]);
-                    if !computed_elsewhere {
-                        work.trace.push((packed, samples));
+                    let elsewhere = border
+                        & samples
+                        & !samples_where(intervals, group, |sample| {
+                            computed[place_on_border(intervals, sample)]
+                        });
+                    if samples != elsewhere {
+                        work.trace.push((packed, samples & !elsewhere));
                     }
-                    let reaches_end = (0..3).any(|a| group[a] * GROUP + GROUP > intervals[a]);
-                    let on_border = reaches_end || group.contains(&0);
-                    let follows = (reaches_end && around.any) || (on_border && around.any_coarser);
-                    if border != 0 && follows {
-                        work.seam.push((packed, border));
+                    if !shared && elsewhere != 0 {
+                        work.seam.push((packed, elsewhere));
                     }
                 }
             }
@@ -187,30 +178,27 @@ impl GroupFinder<'_> {
         (!work.trace.is_empty() || !work.seam.is_empty()).then_some(work)
     }
 
-    fn neighbors(&self, block: usize, level: u8) -> Around {
-        let mut around = Around::default();
-        for z in -1..=1 {
-            for y in -1..=1 {
-                for x in -1..=1 {
-                    let step = [x, y, z];
-                    if step == [0; 3] {
-                        continue;
-                    }
-                    let Some(there) = self.grid.neighbor(block, step).and_then(|b| self.level(b))
-                    else {
-                        continue;
-                    };
-                    around.any = true;
-                    around.any_coarser |= there < level;
-                    for axis in 0..3 {
-                        let mut next = [0; 3];
-                        next[axis] = 1;
-                        around.next_not_finer[axis] |= step == next && there <= level;
+    /// By place on the border of a brick ([`place_on_border`]): are its samples computed there? Of the resident blocks whose closed
+    /// boxes contain a sample, the coarsest decide what light it has, and of those of one level the last in x-fastest order.
+    fn computed(&self, block: usize, level: u8) -> [bool; 27] {
+        std::array::from_fn(|place| {
+            let side = [place % 3, place / 3 % 3, place / 9].map(|n| n as i32 - 1);
+            let steps = |axis: usize| side[axis].min(0)..=side[axis].max(0);
+            let mut owner = true;
+            for z in steps(2) {
+                for y in steps(1) {
+                    for x in steps(0) {
+                        let there = self.grid.neighbor(block, [x, y, z]);
+                        match there.and_then(|there| self.level(there)) {
+                            Some(other) if other < level => return false,
+                            Some(other) if other == level => owner = [x, y, z] == [0; 3],
+                            _ => {}
+                        }
                     }
                 }
             }
-        }
-        around
+            owner
+        })
     }
 
     /// The samples of a group that are lit.
@@ -283,13 +271,17 @@ fn border_samples(intervals: [u32; 3], group: [u32; 3]) -> u64 {
     })
 }
 
-/// The resident blocks around one.
-#[derive(Default)]
-struct Around {
-    any: bool,
-    any_coarser: bool,
-    /// The next block of each axis is resident and as coarse as this one or coarser.
-    next_not_finer: [bool; 3],
+/// Where on the border of its brick a sample lies: for each axis 0 at the low end, 1 between, 2 at the high end, x counting 1, y 3
+/// and z 9.
+fn place_on_border(intervals: [u32; 3], sample: [u32; 3]) -> usize {
+    (0..3).rev().fold(0, |place, a| {
+        let side = match sample[a] {
+            0 => 0,
+            n if n == intervals[a] => 2,
+            _ => 1,
+        };
+        3 * place + side
+    })
 }
 
 const _: () = assert!(BLOCK_CELLS / GROUP < 256, "a group coordinate fits 8 bits");

@@ -196,10 +196,41 @@ impl Loaded {
         };
         recorder.pass(pass_name::LIGHT, |recorder| {
             light_pass.trace(context, recorder, variant, &resources, push)
-        })?;
-        if variant.count || resources.work.seam.is_empty() {
+        })
+    }
+
+    /// Makes the light continuous across bricks, where directions have been traced since that was done and the light is about to be
+    /// read, or is complete.
+    pub(super) fn record_light_seam(
+        &mut self,
+        context: &Arc<Context>,
+        recorder: &mut Recorder<'_>,
+        volume: Uniforms,
+        is_read: bool,
+    ) -> Result<()> {
+        let reconstruction = self.reconstruction(false);
+        let Self {
+            images,
+            labels,
+            lists,
+            visibility,
+            light_pass,
+            light: Some(light),
+            ..
+        } = self
+        else {
+            return Ok(());
+        };
+        if !light.take_unjoined(is_read) || visibility.light.seam.is_empty() {
             return Ok(());
         }
+        let resources = LightResources {
+            images,
+            labels: labels.as_ref(),
+            lists,
+            work: &visibility.light,
+            volume,
+        };
         recorder.pass(pass_name::LIGHT_SEAM, |recorder| {
             light_pass.seam(context, recorder, reconstruction, &resources)
         })

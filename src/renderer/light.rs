@@ -9,6 +9,8 @@ use crate::shader::structs::LightPush;
 pub(super) struct LightProgress {
     directions: Vec<([f64; 3], f64)>,
     traced: u32,
+    /// Bricks agree on the samples that they share.
+    joined: bool,
     template: LightPush,
     ix_from_world: DMat3,
 }
@@ -23,6 +25,7 @@ impl LightProgress {
         Self {
             directions: ao.weighted_directions(),
             traced: 0,
+            joined: true,
             template: LightPush {
                 direction_ix: [0.0; 3],
                 offset_mm: (ao.offset * voxel_mm) as f32,
@@ -59,6 +62,14 @@ impl LightProgress {
             ..self.template
         };
         self.traced += 1;
+        self.joined = false;
         Some(push)
+    }
+
+    /// True, once, when bricks are to be joined: directions have been traced since, and the light is read or all of it is there.
+    pub(super) fn take_unjoined(&mut self, is_read: bool) -> bool {
+        let due = !self.joined && (is_read || self.traced == self.rays());
+        self.joined |= due;
+        due
     }
 }

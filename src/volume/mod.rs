@@ -19,6 +19,7 @@ pub mod statistics;
 mod summary;
 mod texel;
 mod thin;
+pub mod visible_ranges;
 mod voxel_ranges;
 
 pub use color::linear_from_srgb;

@@ -49,14 +49,17 @@ impl Picture {
         exposure: f64,
         behind: impl Fn(usize) -> [f64; 3],
     ) -> impl Iterator<Item = [f64; 3]> {
-        self.rgba.iter().enumerate().map(move |(i, &[r, g, b, a])| {
-            let behind = behind(i);
-            let through = match &self.through {
-                Some(through) => through[i].map(f64::from),
-                None => [1.0 - f64::from(a); 3],
-            };
-            let color = [r, g, b].map(f64::from);
-            std::array::from_fn(|c| exposure * color[c] + through[c] * behind[c])
-        })
+        (0..self.rgba.len()).map(move |i| self.pixel_over(i, exposure, behind(i)))
+    }
+
+    /// One pixel of [`Picture::composited`].
+    pub(crate) fn pixel_over(&self, pixel: usize, exposure: f64, behind: [f64; 3]) -> [f64; 3] {
+        let [r, g, b, a] = self.rgba[pixel].map(f64::from);
+        let through = match &self.through {
+            Some(through) => through[pixel].map(f64::from),
+            None => [1.0 - a; 3],
+        };
+        let color = [r, g, b];
+        std::array::from_fn(|c| exposure * color[c] + through[c] * behind[c])
     }
 }

@@ -13,6 +13,7 @@ use crate::volume::blocks::{BLOCK_CELLS, BlockGrid, FINEST, brick_extent, brick_
 use crate::volume::bricks::BrickBuilder;
 use crate::volume::cells::SKIP_CELLS;
 use crate::volume::select::Classify;
+use crate::volume::visible_ranges::VisibleRanges;
 
 const WORD_BITS: usize = u64::BITS as usize;
 
@@ -42,7 +43,7 @@ impl LitVoxels {
     pub(crate) fn new(
         store: &Store,
         residency: &Residency,
-        shown: &impl Classify,
+        shown: &VisibleRanges<'_, impl Classify>,
         occupancy: &Occupancy<'_>,
         reach: [u32; 3],
     ) -> Result<Self> {
@@ -59,7 +60,7 @@ impl LitVoxels {
             bricks: &bricks,
             grid,
             occupancy,
-            visible: &|stored| shown.visible(store.volume.rescale().range(stored)),
+            visible: &|stored| shown.visible(stored),
         };
         let slab = row * size[1] * BLOCK_CELLS as usize;
         let blocks = grid.counts().map(|n| n as usize);

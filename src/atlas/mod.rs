@@ -36,4 +36,4 @@ pub(crate) use scatter::{ScatterImages, Solver};
 pub(crate) use shown::Shown;
 pub(crate) use transfer_table::{SampleLengths, SampleScale, TransferTable};
 pub(crate) use upload::{UploadResources, Uploads};
-pub(crate) use visibility::Visibility;
+pub(crate) use visibility::{Visibility, VisibilityRequest};

@@ -41,14 +41,13 @@ impl Uploads {
         }
     }
 
-    /// The transfer function changed.
-    pub(crate) fn reclassify(&mut self) {
-        self.transfer = true;
+    /// The leaps changed.
+    pub(crate) fn leap_anew(&mut self) {
         self.skip = true;
     }
 
-    /// The length of a sample changed.
-    pub(crate) fn relength(&mut self) {
+    /// The transfer function or the length of a sample changed.
+    pub(crate) fn reclassify(&mut self) {
         self.transfer = true;
     }
 

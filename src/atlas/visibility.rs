@@ -1,11 +1,13 @@
 //! What the transfer function shows of the resident bricks.
 
+use std::sync::Arc;
+
 use crate::error::Result;
 use crate::scene::Interpolation;
 use crate::volume::blocks::{BLOCK_CELLS, BlockGrid, FINEST};
 use crate::volume::cells::{CellGrid, Reach, SKIP_CELLS};
 use crate::volume::leaps::octant_leaps;
-use crate::volume::select::Classify as _;
+use crate::volume::visible_ranges::{VisibleEnds, VisibleRanges};
 
 use super::light_work::LightWork;
 use super::lit_voxels::{LitVoxels, Occupancy};
@@ -15,44 +17,68 @@ use super::{SampleScale, Shown};
 /// Leaps through empty space, and the samples of the light volume that can be seen.
 pub(crate) struct Visibility {
     /// By skip cell: see [`octant_leaps`]; [`WHOLE_BLOCK`] for a 0 whose whole block is 0.
-    pub(crate) leaps: Vec<u32>,
+    pub(crate) leaps: Arc<Vec<u32>>,
     pub(crate) light: LightWork,
+    /// How far the filter looks.
+    reach: Option<Reach>,
+    /// All that the transfer function says of ranges of integers.
+    ends: Option<VisibleEnds>,
+}
+
+/// What visibility follows from.
+#[derive(Clone, Copy)]
+pub(crate) struct VisibilityRequest<'a> {
+    pub(crate) store: &'a Store,
+    pub(crate) residency: &'a Residency,
+    pub(crate) shown: Shown<'a>,
+    pub(crate) interpolation: Interpolation,
+    /// Light is wanted, for samples so far from what shows something (see [`LitVoxels::new`]).
+    pub(crate) lit: Option<[u32; 3]>,
 }
 
 impl Visibility {
-    /// `lit`: light is wanted, for samples so far from what shows something (see [`LitVoxels::new`]).
+    /// # Errors
+    /// As [`LitVoxels::new`].
+    pub(crate) fn new(request: &VisibilityRequest<'_>) -> Result<Self> {
+        let ranges = request.ranges();
+        let occupancy = request.occupancy(&ranges);
+        Ok(Self {
+            leaps: request.leaps(&occupancy).into(),
+            light: request.light(&ranges, &occupancy)?,
+            reach: request.reach(),
+            ends: ranges.into_ends(),
+        })
+    }
+
+    /// The same for another transfer function or filter, of which residency and light are those that this was made for; `None` where all is
+    /// as it was.
     ///
     /// # Errors
     /// As [`LitVoxels::new`].
-    pub(crate) fn new(
-        store: &Store,
-        residency: &Residency,
-        shown: &Shown<'_>,
-        interpolation: Interpolation,
-        lit: Option<[u32; 3]>,
-    ) -> Result<Self> {
-        let counts = residency.cells.counts();
-        let visible = |range| shown.visible(range);
-        let widened = Self::reach(residency, interpolation);
-        let occupancy = match widened {
-            None => residency.cells.occupancy(visible),
-            Some(reach) => residency.cells.widened(reach).occupancy(visible),
-        };
-        let light = match lit {
-            None => LightWork::default(),
-            Some(reach) => {
-                let occupancy = Occupancy {
-                    counts,
-                    cells: &occupancy,
-                    widened: widened.is_some(),
-                };
-                let lit = LitVoxels::new(store, residency, shown, &occupancy, reach)?;
-                LightWork::new(store.grid(), residency, &occupancy, &lit)
-            }
-        };
-        let mut leaps = octant_leaps(counts, &occupancy);
-        mark_whole_blocks(store.grid(), counts, &mut leaps);
-        Ok(Self { leaps, light })
+    pub(crate) fn changed(&self, request: &VisibilityRequest<'_>) -> Result<Option<Self>> {
+        let ranges = request.ranges();
+        let reach = request.reach();
+        // What a wider filter returns may lie between integers.
+        let by_ends = reach.is_none() && self.reach.is_none() && self.ends.is_some();
+        if by_ends && ranges.ends() == self.ends.as_ref() {
+            return Ok(None);
+        }
+        let occupancy = request.occupancy(&ranges);
+        let occupied = self.leaps.iter().map(|&word| word <= WHOLE_BLOCK);
+        let same_cells = occupied.eq(occupancy.iter().map(|&cell| cell != 0));
+        if same_cells && request.lit.is_none() {
+            return Ok(None);
+        }
+        Ok(Some(Self {
+            leaps: if same_cells {
+                Arc::clone(&self.leaps)
+            } else {
+                request.leaps(&occupancy).into()
+            },
+            light: request.light(&ranges, &occupancy)?,
+            reach,
+            ends: ranges.into_ends(),
+        }))
     }
 
     /// Linear indices of the skip cells that show something.
@@ -107,6 +133,49 @@ impl Visibility {
                 0.0
             },
         })
+    }
+}
+
+impl<'a> VisibilityRequest<'a> {
+    fn ranges(&self) -> VisibleRanges<'_, Shown<'a>> {
+        VisibleRanges::new(&self.store.volume, &self.shown)
+    }
+
+    fn reach(&self) -> Option<Reach> {
+        Visibility::reach(self.residency, self.interpolation)
+    }
+
+    /// By skip cell: 0 where none of its values shows anything.
+    fn occupancy(&self, ranges: &VisibleRanges<'_, Shown<'_>>) -> Vec<u8> {
+        let cells = &self.residency.cells;
+        let visible = |stored| ranges.visible(stored);
+        match self.reach() {
+            None => cells.occupancy(visible),
+            Some(reach) => cells.widened(reach).occupancy(visible),
+        }
+    }
+
+    fn leaps(&self, occupancy: &[u8]) -> Vec<u32> {
+        let counts = self.residency.cells.counts();
+        let mut leaps = octant_leaps(counts, occupancy);
+        mark_whole_blocks(self.store.grid(), counts, &mut leaps);
+        leaps
+    }
+
+    fn light(&self, ranges: &VisibleRanges<'_, Shown<'_>>, occupancy: &[u8]) -> Result<LightWork> {
+        let Some(reach) = self.lit else {
+            return Ok(LightWork::default());
+        };
+        let Self {
+            store, residency, ..
+        } = *self;
+        let occupancy = Occupancy {
+            counts: residency.cells.counts(),
+            cells: occupancy,
+            widened: self.reach().is_some(),
+        };
+        let lit = LitVoxels::new(store, residency, ranges, &occupancy, reach)?;
+        Ok(LightWork::new(store.grid(), residency, &occupancy, &lit))
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, ImageError};
+use rayon::prelude::*;
 
 use super::{Backdrop, Provenance, atomic};
 use crate::error::{Error, Result};
@@ -68,22 +69,29 @@ pub(super) fn write(
 }
 
 fn encode(picture: &Picture, image: &Image, backdrop: &Backdrop) -> Result<Vec<u8>, ImageError> {
-    let display = picture
-        .composited(image.exposure.exp2(), |i| backdrop.at(i))
-        .flat_map(|linear| image.color_management.encode(linear));
+    let [width, height] = picture.size;
+    let exposure = image.exposure.exp2();
+    let row = |y: usize| {
+        let pixels = y * width as usize..(y + 1) * width as usize;
+        pixels.flat_map(move |i| {
+            let linear = picture.pixel_over(i, exposure, backdrop.at(i));
+            image.color_management.encode(linear)
+        })
+    };
+    let rows = (0..height as usize).into_par_iter();
     // `as` saturates; adding one half before it rounds to nearest.
     let (color_type, samples): (_, Vec<u8>) = if image.png_bits == 16 {
-        let quantized = display.map(|c| (c * 65_535.0 + 0.5) as u16);
+        let quantized = |c: f64| (c * 65_535.0 + 0.5) as u16;
         // The encoder takes 16-bit samples in the machine's byte order.
-        let bytes = quantized.flat_map(u16::to_ne_bytes).collect();
-        (ExtendedColorType::Rgb16, bytes)
+        let bytes = rows.flat_map_iter(|y| row(y).map(quantized).flat_map(u16::to_ne_bytes));
+        (ExtendedColorType::Rgb16, bytes.collect())
     } else {
-        let quantized = display.map(|c| (c * 255.0 + 0.5) as u8);
-        (ExtendedColorType::Rgb8, quantized.collect())
+        let quantized = |c: f64| (c * 255.0 + 0.5) as u8;
+        let bytes = rows.flat_map_iter(|y| row(y).map(quantized));
+        (ExtendedColorType::Rgb8, bytes.collect())
     };
-    let [width, height] = picture.size;
     let mut encoded = Cursor::new(Vec::new());
-    let (compression, filter) = (CompressionType::Best, FilterType::Adaptive);
+    let (compression, filter) = (CompressionType::Default, FilterType::Adaptive);
     let encoder = PngEncoder::new_with_quality(&mut encoded, compression, filter);
     encoder.write_image(&samples, width, height, color_type)?;
     Ok(encoded.into_inner())

@@ -115,22 +115,19 @@ impl Loaded {
             ..
         } = self;
         let mut uploaded_bytes = 0;
-        let step = step_length(settings, store.volume.min_spacing());
-        prepared.record(context, recorder, table, residency, settings, step)?;
+        let resources = UploadResources {
+            images,
+            store,
+            residency,
+            table,
+            lengths: sample_lengths(settings, store.volume.min_spacing()),
+            leaps: &visibility.leaps,
+        };
+        prepared.record(context, recorder, &resources, settings)?;
         if let (Some(images), Some(labels)) = (labels, &settings.labels) {
             images.record(context, recorder, labels)?;
         }
         if uploads.pending() {
-            let leaps = &visibility.leaps;
-            let lengths = sample_lengths(settings, store.volume.min_spacing());
-            let resources = UploadResources {
-                images,
-                store,
-                residency,
-                table,
-                lengths,
-                leaps,
-            };
             uploaded_bytes = recorder.pass(pass_name::UPLOAD, |recorder| {
                 uploads.record(context, recorder, &resources, budget)
             })?;
@@ -619,9 +616,4 @@ impl Loaded {
 /// Bisections that find a surface in a step to 1/200 voxel; what is left is interpolated.
 fn bisections(step: f64) -> u32 {
     (200.0 * step).log2().ceil().max(0.0) as u32
-}
-
-/// Length of a step in unit distances of the transfer function.
-fn step_length(settings: &Settings, voxel_mm: f64) -> f64 {
-    settings.march.step * voxel_mm / settings.curve.unit_distance
 }

@@ -13,7 +13,7 @@ use super::transport::Transport;
 use crate::atlas::{
     COLOR_TEXEL_BYTES, GradientVolume, Images, LIGHT_TEXEL_BYTES, LabelImages, LightLists,
     PackedCells, Residency, SampleLengths, SampleScale, Shown, Store, TransferTable, Uploads,
-    Visibility,
+    Visibility, VisibilityRequest,
 };
 use crate::error::Result;
 use crate::gpu::Context;
@@ -67,7 +67,8 @@ impl Loaded {
         let table = transfer_table(&store, &settings);
         let residency = choose(context, &store, &table, &settings)?;
         let lit = settings.ambient_occlusion.is_some();
-        let visibility = visibility(&store, &residency, &table, &settings)?;
+        let visibility =
+            Visibility::new(&visibility_request(&store, &residency, &table, &settings))?;
         let prepared = Prepared::new(context, NAME, &table, &residency, &settings)?;
         let mut images = Images::new(context, NAME, &store, &residency, lit, settings.data_color)?;
         let labels = label_images(context, &settings)?;
@@ -163,12 +164,21 @@ impl Loaded {
         // Everything that can fail comes first, so that an error leaves the old state in force.
         let current = residency.as_ref().unwrap_or(&self.residency);
         let lights_other = lit_reach(&self.store, &settings) != lit_reach(&self.store, old);
-        let visibility = (reclassify || residency.is_some() || lights_other)
-            .then(|| visibility(&self.store, current, &table, &settings))
-            .transpose()?;
-        let prepared = (reclassify || residency.is_some() || settings.march.step != old.march.step)
-            .then(|| Prepared::new(context, NAME, &table, current, &settings))
-            .transpose()?;
+        let request = visibility_request(&self.store, current, &table, &settings);
+        let visibility = if residency.is_some() || lights_other {
+            Some(Visibility::new(&request)?)
+        } else if reclassify {
+            self.visibility.changed(&request)?
+        } else {
+            None
+        };
+        let reprepare = reclassify || residency.is_some() || settings.march.step != old.march.step;
+        let prepared = if reprepare {
+            self.prepared
+                .other_images(context, NAME, &table, current, &settings)?
+        } else {
+            None
+        };
         let images = (residency.is_some() || reimage)
             .then(|| Images::new(context, NAME, &self.store, current, lit, color))
             .transpose()?;
@@ -183,6 +193,8 @@ impl Loaded {
         let gradients = regradient
             .then(|| gradients(context, &self.store, current, &settings))
             .transpose()?;
+        let other_places = visibility.is_some()
+            || shading_reach(&self.store, &settings) != shading_reach(&self.store, old);
         let kept = gradients.as_ref().unwrap_or(&self.gradients).as_ref();
         let packing = packing(context, &self.store, current, &settings, kept);
         // Texels of an atlas that stays need not be packed again.
@@ -222,22 +234,23 @@ impl Loaded {
         if let Some(images) = images {
             self.images = images;
             self.uploads = Uploads::all(current);
-        } else if reclassify {
-            self.uploads.reclassify();
         }
         if let Some(cells) = cells {
             self.images.cells = cells;
         }
-        self.uploads.relength();
+        self.uploads.reclassify();
         if let Some(residency) = residency {
             self.residency = residency;
         }
         if let Some(visibility) = visibility {
+            if !Arc::ptr_eq(&visibility.leaps, &self.visibility.leaps) {
+                self.uploads.leap_anew();
+            }
             self.visibility = visibility;
         }
         if let Some(gradients) = gradients {
             self.gradients = gradients;
-        } else if let Some(gradients) = &mut self.gradients {
+        } else if let (Some(gradients), true) = (&mut self.gradients, other_places) {
             gradients.look_again();
         }
         if let Some(lists) = lists {
@@ -247,8 +260,8 @@ impl Loaded {
             self.transport = transport;
             self.paths = None;
         }
-        if let Some(prepared) = prepared {
-            self.prepared = prepared;
+        if reprepare {
+            self.prepared.renew(prepared);
         }
         if let Some(labels) = labels {
             self.labels = labels;
@@ -362,19 +375,19 @@ fn shown<'a>(table: &'a TransferTable, settings: &'a Settings) -> Shown<'a> {
     Shown::new(table, &settings.march, &settings.surfaces, lit)
 }
 
-fn visibility(
-    store: &Store,
-    residency: &Residency,
-    table: &TransferTable,
-    settings: &Settings,
-) -> Result<Visibility> {
-    Visibility::new(
+fn visibility_request<'a>(
+    store: &'a Store,
+    residency: &'a Residency,
+    table: &'a TransferTable,
+    settings: &'a Settings,
+) -> VisibilityRequest<'a> {
+    VisibilityRequest {
         store,
         residency,
-        &shown(table, settings),
-        settings.march.interpolation,
-        lit_reach(store, settings),
-    )
+        shown: shown(table, settings),
+        interpolation: settings.march.interpolation,
+        lit: lit_reach(store, settings),
+    }
 }
 
 /// [`shading_reach`] where there is light.

@@ -49,7 +49,8 @@ impl FirstPicture {
         let guess = Guess::of(&volume);
         let mut notices = Vec::new();
         let is_labels = guess.modality == Modality::Labels;
-        let volume = if is_labels && volume.voxels().len() > MAX_LABEL_VOXELS {
+        let too_many = is_labels && volume.voxels().len() > MAX_LABEL_VOXELS;
+        let volume = if too_many {
             let every = (volume.voxels().len() as f64 / MAX_LABEL_VOXELS as f64)
                 .cbrt()
                 .ceil() as u32;
@@ -61,9 +62,13 @@ impl FirstPicture {
             volume
         };
         let plain = Scene::for_volume(path, overrides)?;
-        let curve = plain
-            .transfer_function
-            .curve(&volume, plain.image.color_management)?;
+        let suitable = || match too_many {
+            true => Guess::of(&volume).preset,
+            false => guess.preset,
+        };
+        let colors = plain.image.color_management;
+        let transfer_function = &plain.transfer_function;
+        let curve = transfer_function.curve_as(&volume, colors, suitable)?;
         let visible = Visible::of(&volume, &curve);
         let light = Light::of(&volume, &visible, is_labels);
         if light.data_reduction > 1.0 {

@@ -1,12 +1,8 @@
 //! How values are spread, and where the background ends.
 
-use rayon::prelude::*;
-
 use crate::volume::{Volume, Voxels};
 
 const MAX_BINS: usize = 256;
-/// Voxels that one task counts.
-const CHUNK: usize = 1 << 18;
 /// Bins on either side that counts are averaged over when the background is looked for, against noise.
 const SMOOTHING: usize = 2;
 /// The background ends where the histogram has fallen to this share of its peak.
@@ -35,14 +31,10 @@ impl ValueHistogram {
             counts: vec![0; bins],
             foreground: 0,
         };
-        let bin_of = |stored: f64| histogram.bin(volume.value_from_stored(stored));
-        histogram.counts = match volume.voxels() {
-            Voxels::U8(v) => count(v, bins, bin_of),
-            Voxels::I8(v) => count(v, bins, bin_of),
-            Voxels::U16(v) => count(v, bins, bin_of),
-            Voxels::I16(v) => count(v, bins, bin_of),
-            Voxels::F32(v) => count(v, bins, bin_of),
-        };
+        for (value, count) in volume.value_counts() {
+            let bin = histogram.bin(value);
+            histogram.counts[bin] += count;
+        }
         histogram.foreground = background_end(&histogram.counts, BACKGROUND_END);
         histogram
     }
@@ -107,29 +99,6 @@ impl ValueHistogram {
         });
         self.start_of(self.foreground + reached.unwrap_or(counts.len().saturating_sub(1)))
     }
-}
-
-fn count<T: Copy + Into<f64> + Sync>(
-    voxels: &[T],
-    bins: usize,
-    bin_of: impl Fn(f64) -> usize + Sync,
-) -> Vec<u64> {
-    voxels
-        .par_chunks(CHUNK)
-        .map(|chunk| {
-            let mut counts = vec![0u64; bins];
-            for &voxel in chunk {
-                counts[bin_of(voxel.into())] += 1;
-            }
-            counts
-        })
-        .reduce(
-            || vec![0; bins],
-            |mut sum, part| {
-                sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
-                sum
-            },
-        )
 }
 
 /// First bin above the background: above the highest peak of the darker half, once the counts have fallen to

@@ -59,6 +59,16 @@ impl TransferFunction {
     /// # Errors
     /// [`crate::Error::Invalid`] as [`TransferFunction::validate`]; what [`TransferFile::read`] says of the file.
     pub fn curve(&self, volume: &Volume, colors: ColorManagement) -> Result<Curve> {
+        self.curve_as(volume, colors, || Guess::of(volume).preset)
+    }
+
+    /// The same, with the name of the preset that suits what `volume` holds.
+    pub(super) fn curve_as(
+        &self,
+        volume: &Volume,
+        colors: ColorManagement,
+        suitable: impl FnOnce() -> &'static str,
+    ) -> Result<Curve> {
         self.validate()?;
         let preset = |name: &str| {
             let points = presets::find(name)?.control_points(volume);
@@ -75,7 +85,7 @@ impl TransferFunction {
                 }
                 (points, file.unit_distance.unwrap_or(volume.min_spacing()))
             }
-            (None, None, None) => preset(Guess::of(volume).preset)?,
+            (None, None, None) => preset(suitable())?,
         };
         let unit_distance = self.unit_distance.unwrap_or(default_unit);
         Ok(Curve::new(unit_distance, &points, colors))

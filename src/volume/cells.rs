@@ -94,13 +94,13 @@ impl CellGrid {
         Some(self.rescale.range(self.stored_range(cell)?))
     }
 
-    /// 1 for every skip cell whose range, in the file's units, `visible` accepts; 0 for others and
-    /// where nothing is resident. x fastest.
-    pub fn occupancy(&self, visible: impl Fn([f64; 2]) -> bool + Sync) -> Vec<u8> {
-        (0..self.ranges.len())
-            .into_par_iter()
+    /// 1 for every skip cell whose range of stored values `visible` accepts; 0 for others and where nothing is resident. x
+    /// fastest.
+    pub fn occupancy(&self, visible: impl Fn([f32; 2]) -> bool + Sync) -> Vec<u8> {
+        self.ranges
+            .par_iter()
             .with_min_len(1 << 12)
-            .map(|cell| u8::from(self.value_range(cell).is_some_and(&visible)))
+            .map(|&[low, high]| u8::from(low <= high && visible([low, high])))
             .collect()
     }
 }

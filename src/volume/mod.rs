@@ -19,6 +19,8 @@ pub mod statistics;
 mod summary;
 mod texel;
 mod thin;
+mod value_counts;
+pub mod visible_ranges;
 mod voxel_ranges;
 
 pub use color::linear_from_srgb;
@@ -34,6 +36,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 
 use crate::error::{Error, Result};
+use value_counts::ValueCounts;
 
 /// Number of voxels on each axis below which a volume encloses no space.
 pub const MIN_SIZE: u32 = 2;
@@ -173,6 +176,8 @@ pub struct Volume {
     labels: Option<Arc<LabelMap>>,
     /// Display colours of the voxels.
     colors: Option<Vec<[u8; 4]>>,
+    /// See [`Volume::value_counts`].
+    counts: ValueCounts,
 }
 
 impl Volume {
@@ -241,6 +246,7 @@ impl Volume {
             metadata: Metadata::default(),
             labels: None,
             colors: None,
+            counts: ValueCounts::default(),
         })
     }
 

@@ -4,6 +4,7 @@ use glam::DMat3;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::value_counts::count;
 use super::{Volume, Voxels};
 
 /// Bins of [`Histogram`].
@@ -204,29 +205,6 @@ fn floats(voxels: &[f32], low: f64, high: f64) -> (f64, f64, Vec<u64>, f64) {
         .map(|part| part.iter().map(|&v| f64::from(v)).sum())
         .collect();
     (low + 0.5 * width, width, counts, parts.iter().sum())
-}
-
-fn count<T: Copy + Sync>(voxels: &[T], bins: usize, bin: impl Fn(T) -> usize + Sync) -> Vec<u64> {
-    voxels
-        .par_chunks(CHUNK)
-        .fold(
-            || vec![0u64; bins],
-            |mut counts, part| {
-                for &v in part {
-                    counts[bin(v)] += 1;
-                }
-                counts
-            },
-        )
-        .reduce(
-            || vec![0; bins],
-            |mut a, b| {
-                for (a, b) in a.iter_mut().zip(b) {
-                    *a += b;
-                }
-                a
-            },
-        )
 }
 
 /// Pairs each index axis with a different world axis, the best matches first.

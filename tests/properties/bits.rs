@@ -30,7 +30,7 @@ fn bits(picture: &Picture) -> Vec<[u32; 7]> {
 }
 
 /// Number of pixels that differ.
-fn differing(a: &Picture, b: &Picture) -> usize {
+pub(crate) fn differing(a: &Picture, b: &Picture) -> usize {
     let (a, b) = (bits(a), bits(b));
     assert_eq!(a.len(), b.len());
     a.iter().zip(&b).filter(|(a, b)| a != b).count()

@@ -4,6 +4,7 @@
 mod analytic;
 mod bits;
 mod colors;
+mod edits;
 #[path = "../common/fields.rs"]
 mod fields;
 mod gradients;

@@ -42,6 +42,9 @@ fn leaps_are_the_largest_empty_cubes() {
         ([20, 1, 17], 40),
         ([1, 1, 30], 12),
         ([9, 8, 7], 500),
+        // Rows of more than one word.
+        ([70, 6, 5], 40),
+        ([129, 3, 2], 60),
     ] {
         let cells = counts.iter().product::<u32>() as usize;
         let mut occupancy: Vec<u8> = (0..cells)

@@ -3,7 +3,7 @@
 use std::io::BufRead as _;
 
 use serde::Serialize;
-use umbravox::headless::{FrameTime, Headless, Session, Stats};
+use umbravox::headless::{FrameTime, Session, Stats};
 use umbravox::{Error, Result};
 
 use crate::args::BenchArgs;
@@ -28,9 +28,9 @@ struct Spread {
 
 pub(crate) fn run(args: &BenchArgs) -> Result<()> {
     let scene = input::read_scene(&args.input)?;
-    let (scene, volume) = input::load(&args.input, scene)?;
+    let (headless, (scene, volume)) =
+        input::beside_device(&args.device.options(), || input::load(&args.input, scene))?;
     let start = scene.camera.view(&volume, scene.image.size)?;
-    let headless = Headless::new(&args.device.options())?;
     let mut session = headless.load(volume.clone(), &scene)?;
     progress::complete_light(&mut session)?;
     let mut number = 0u64;

@@ -4,6 +4,7 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use umbravox::headless::{Headless, Options};
 use umbravox::io::{self, ReadOptions};
 use umbravox::output;
 use umbravox::scene::{self, FirstPicture, Guess, Override, Scene};
@@ -41,6 +42,21 @@ pub(crate) fn load(args: &InputArgs, scene: Scene) -> Result<(Scene, Arc<Volume>
     } = &first.guess;
     tracing::info!("taken for {modality:?} ({reason}): transfer function {preset}");
     Ok((first.scene, first.volume))
+}
+
+/// Opens the device while `read` reads what it is to draw. What is wrong with the input is said first.
+pub(crate) fn beside_device<T>(
+    options: &Options,
+    read: impl FnOnce() -> Result<T>,
+) -> Result<(Headless, T)> {
+    std::thread::scope(|scope| {
+        // Drivers take one core for tens of milliseconds to start.
+        let device = scope.spawn(|| Headless::new(options));
+        let read = read()?;
+        let device = device.join();
+        let device = device.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+        Ok((device, read))
+    })
 }
 
 fn overrides(args: &InputArgs) -> Result<Vec<Override>> {

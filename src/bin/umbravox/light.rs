@@ -1,6 +1,5 @@
 //! `umbravox light`.
 
-use umbravox::headless::Headless;
 use umbravox::{Error, Result, output};
 
 use crate::args::LightArgs;
@@ -23,9 +22,9 @@ pub(crate) fn run(args: &LightArgs) -> Result<()> {
         ));
     }
     input::check_output(&args.output, &args.input.path, &scene)?;
-    let (scene, volume) = input::load(&args.input, scene)?;
+    let (headless, (scene, volume)) =
+        input::beside_device(&args.device.options(), || input::load(&args.input, scene))?;
     let world_from_ix = volume.world_from_ix();
-    let headless = Headless::new(&args.device.options())?;
     let mut session = headless.load(volume, &scene)?;
     progress::complete_light(&mut session)?;
     let light = session.light_volume()?;

@@ -1,7 +1,7 @@
 //! `umbravox probe`.
 
 use serde::Serialize;
-use umbravox::headless::{Headless, PixelProbe};
+use umbravox::headless::PixelProbe;
 use umbravox::{Error, Result};
 
 use crate::args::ProbeArgs;
@@ -36,8 +36,8 @@ fn print(args: &ProbeArgs, probe: &impl Serialize) -> Result<()> {
 
 fn at_pixel(args: &ProbeArgs, pixel: [u32; 2]) -> Result<PixelProbe> {
     let scene = input::read_scene(&args.input)?;
-    let (scene, volume) = input::load(&args.input, scene)?;
-    let headless = Headless::new(&args.device.options())?;
+    let (headless, (scene, volume)) =
+        input::beside_device(&args.device.options(), || input::load(&args.input, scene))?;
     let mut session = headless.load(volume, &scene)?;
     progress::complete_light(&mut session)?;
     let probe = session.probe_pixel(pixel)?;

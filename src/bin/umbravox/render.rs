@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use umbravox::headless::{Headless, Provenance, Session};
+use umbravox::headless::{Provenance, Session};
 use umbravox::output::{self, Backdrop, Target};
 use umbravox::scene::Scene;
 use umbravox::volume::Volume;
@@ -35,9 +35,10 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
         }
         places.push(place);
     }
-    let volume = job.load()?;
-    let backdrop = Backdrop::of(&job.scene.image)?;
-    let headless = Headless::new(&args.device.options())?;
+    let (headless, (volume, backdrop)) = input::beside_device(&args.device.options(), || {
+        let volume = job.load()?;
+        Ok((volume, Backdrop::of(&job.scene.image)?))
+    })?;
     let mut session = headless.load(volume, &job.scene)?;
     outputs.render(&mut session, &job, &backdrop)?;
     check_validation(&headless)?;

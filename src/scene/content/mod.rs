@@ -7,7 +7,7 @@ use serde::Serialize;
 pub(super) use labels::label_values;
 
 use super::histogram::ValueHistogram;
-use crate::volume::{Content, Volume, VoxelType};
+use crate::volume::{Content, Volume, Voxel, VoxelType, with_typed};
 
 /// How a volume was made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -147,14 +147,18 @@ fn looks_like_hounsfield(volume: &Volume) -> bool {
 
 /// Sum of second differences along x over that of central first differences, where either is not 0.
 fn roughness(volume: &Volume) -> f64 {
+    with_typed!(volume.voxels(), voxels => roughness_of(voxels, volume.size()[0] as usize))
+}
+
+fn roughness_of<V: Voxel>(voxels: &[V], row: usize) -> f64 {
     const TRIPLES: usize = 1 << 20;
-    let row = volume.size()[0] as usize;
-    let len = volume.voxels().len();
-    let stride = (len / TRIPLES).max(1);
     let (mut first, mut second) = (0.0, 0.0);
-    for start in (0..len / row).step_by(stride).map(|r| r * row) {
-        for at in start + 1..(start + row).saturating_sub(1) {
-            let [a, b, c] = [at - 1, at, at + 1].map(|i| volume.voxels().get(i));
+    for row in voxels
+        .chunks_exact(row)
+        .step_by((voxels.len() / TRIPLES).max(1))
+    {
+        for triple in row.windows(3) {
+            let [a, b, c] = [0, 1, 2].map(|i| f64::from(triple[i].to_f32()));
             first += (c - a).abs();
             second += (a - 2.0 * b + c).abs();
         }

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat4, DVec3, DVec4};
 
-use super::light::LightProgress;
 use super::loaded::{Loaded, sample_lengths};
 use super::scattered::ScatterInputs;
 use super::settings::Settings;
@@ -15,11 +14,10 @@ use crate::error::{Error, Result};
 use crate::gpu::{Context, Recorder, Uniforms};
 use crate::pass::Reconstruction;
 use crate::pass::bare::BareResources;
-use crate::pass::light::{LightResources, TraceVariant};
 use crate::pass::picture::{PictureResources, PictureVariant};
 use crate::pass::scatter::ScatterVariant;
 use crate::pass::shadow::ShadowResources;
-use crate::scene::{Interpolation, OpticalModel, RayProjection, Shading};
+use crate::scene::{OpticalModel, RayProjection, Shading};
 use crate::shader::structs::{FrameParams, SurfaceParams, VolumeParams};
 
 /// Samples that one dispatch of the march takes at most: a quarter of a second at 0.5 billion a second.
@@ -27,17 +25,6 @@ const SAMPLES_A_DISPATCH: f64 = 1.3e8;
 
 /// Edge of the tiles that paths are traced in: nobody knows how long they become.
 const PATHS_TILE: u32 = 128;
-
-/// What a direction is traced for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum LightWorkload {
-    /// Light.
-    Trace,
-    /// How many samples of the field it takes.
-    Count,
-    /// The bench's bare light.
-    Bare,
-}
 
 impl Loaded {
     /// For a pass in which what emits does so with `emission`.
@@ -138,98 +125,6 @@ impl Loaded {
             bricks_missing: missing,
             uploaded_bytes,
             ..Default::default()
-        })
-    }
-
-    /// Traces the next direction, if there is one and the bricks are complete.
-    pub(super) fn record_light(
-        &mut self,
-        context: &Arc<Context>,
-        recorder: &mut Recorder<'_>,
-        volume: Uniforms,
-        workload: LightWorkload,
-    ) -> Result<()> {
-        // Light follows the linear field, whatever the march does; emission only where it is asked for.
-        let emission = self
-            .settings
-            .ambient_occlusion
-            .as_ref()
-            .is_some_and(|ao| ao.emission);
-        let reconstruction = Reconstruction {
-            interpolation: Interpolation::Linear,
-            labels: self.settings.hiding().is_some(),
-            ..self.reconstruction(emission)
-        };
-        if !self.uploads.bricks_complete() {
-            return Ok(());
-        }
-        let Some(push) = self.light.as_mut().and_then(LightProgress::next) else {
-            return Ok(());
-        };
-        let Self {
-            images,
-            labels,
-            lists,
-            visibility,
-            light_pass,
-            bare_light_pass,
-            ..
-        } = self;
-        let resources = LightResources {
-            images,
-            labels: labels.as_ref(),
-            lists,
-            work: &visibility.light,
-            volume,
-        };
-        if workload == LightWorkload::Bare {
-            return recorder.pass(pass_name::BARE_LIGHT, |recorder| {
-                bare_light_pass.record(context, recorder, reconstruction, &resources, push)
-            });
-        }
-        let variant = TraceVariant {
-            reconstruction,
-            count: workload == LightWorkload::Count,
-        };
-        recorder.pass(pass_name::LIGHT, |recorder| {
-            light_pass.trace(context, recorder, variant, &resources, push)
-        })
-    }
-
-    /// Makes the light continuous across bricks, where directions have been traced since that was done and the light is about to be
-    /// read, or is complete.
-    pub(super) fn record_light_seam(
-        &mut self,
-        context: &Arc<Context>,
-        recorder: &mut Recorder<'_>,
-        volume: Uniforms,
-        is_read: bool,
-    ) -> Result<()> {
-        let reconstruction = self.reconstruction(false);
-        let Self {
-            images,
-            labels,
-            lists,
-            visibility,
-            light_pass,
-            light: Some(light),
-            ..
-        } = self
-        else {
-            return Ok(());
-        };
-        if !light.take_unjoined(is_read) || visibility.light.seam.is_empty() {
-            return Ok(());
-        }
-        let resources = LightResources {
-            images,
-            labels: labels.as_ref(),
-            lists,
-            work: &visibility.light,
-            volume,
-        };
-        recorder.pass(pass_name::LIGHT_SEAM, |recorder| {
-            light_pass.seam(context, recorder, reconstruction, &resources)
         })
     }
 

@@ -1,9 +1,28 @@
-//! How far the light volume has come.
+//! How far the light volume has come, and what a frame adds.
+
+use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
-use crate::scene::{AmbientOcclusion, Curve};
+use super::loaded::Loaded;
+use super::pass_name;
+use crate::error::Result;
+use crate::gpu::{Context, Recorder, Uniforms};
+use crate::pass::Reconstruction;
+use crate::pass::light::{LightResources, TraceVariant};
+use crate::scene::{AmbientOcclusion, Curve, Interpolation};
 use crate::shader::structs::LightPush;
+
+/// What a direction is traced for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LightWorkload {
+    /// Light.
+    Trace,
+    /// How many samples of the field it takes.
+    Count,
+    /// The bench's bare light.
+    Bare,
+}
 
 /// Directions to trace, and how many were.
 pub(super) struct LightProgress {
@@ -71,5 +90,99 @@ impl LightProgress {
         let due = !self.joined && (is_read || self.traced == self.rays());
         self.joined |= due;
         due
+    }
+}
+
+impl Loaded {
+    /// Traces the next direction, if there is one and the bricks are complete.
+    pub(super) fn record_light(
+        &mut self,
+        context: &Arc<Context>,
+        recorder: &mut Recorder<'_>,
+        volume: Uniforms,
+        workload: LightWorkload,
+    ) -> Result<()> {
+        // Light follows the linear field, whatever the march does; emission only where it is asked for.
+        let emission = self
+            .settings
+            .ambient_occlusion
+            .as_ref()
+            .is_some_and(|ao| ao.emission);
+        let reconstruction = Reconstruction {
+            interpolation: Interpolation::Linear,
+            labels: self.settings.hiding().is_some(),
+            ..self.reconstruction(emission)
+        };
+        if !self.uploads.bricks_complete() {
+            return Ok(());
+        }
+        let Some(push) = self.light.as_mut().and_then(LightProgress::next) else {
+            return Ok(());
+        };
+        let Self {
+            images,
+            labels,
+            lists,
+            visibility,
+            light_pass,
+            bare_light_pass,
+            ..
+        } = self;
+        let resources = LightResources {
+            images,
+            labels: labels.as_ref(),
+            lists,
+            work: &visibility.light,
+            volume,
+        };
+        if workload == LightWorkload::Bare {
+            return recorder.pass(pass_name::BARE_LIGHT, |recorder| {
+                bare_light_pass.record(context, recorder, reconstruction, &resources, push)
+            });
+        }
+        let variant = TraceVariant {
+            reconstruction,
+            count: workload == LightWorkload::Count,
+        };
+        recorder.pass(pass_name::LIGHT, |recorder| {
+            light_pass.trace(context, recorder, variant, &resources, push)
+        })
+    }
+
+    /// Makes the light continuous across bricks, where directions have been traced since that was done and the light is about to be
+    /// read, or is complete.
+    pub(super) fn record_light_seam(
+        &mut self,
+        context: &Arc<Context>,
+        recorder: &mut Recorder<'_>,
+        volume: Uniforms,
+        is_read: bool,
+    ) -> Result<()> {
+        let reconstruction = self.reconstruction(false);
+        let Self {
+            images,
+            labels,
+            lists,
+            visibility,
+            light_pass,
+            light: Some(light),
+            ..
+        } = self
+        else {
+            return Ok(());
+        };
+        if !light.take_unjoined(is_read) || visibility.light.seam.is_empty() {
+            return Ok(());
+        }
+        let resources = LightResources {
+            images,
+            labels: labels.as_ref(),
+            lists,
+            work: &visibility.light,
+            volume,
+        };
+        recorder.pass(pass_name::LIGHT_SEAM, |recorder| {
+            light_pass.seam(context, recorder, reconstruction, &resources)
+        })
     }
 }

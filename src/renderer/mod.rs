@@ -22,7 +22,7 @@ use ash::vk;
 use crate::error::{Error, Result};
 use crate::gpu::{Context, FrameSlots, Image, PassTime, Recorder};
 use crate::volume::Volume;
-use draw::LightWorkload;
+use light::LightWorkload;
 
 pub(crate) use loaded::Loaded;
 pub(crate) use paths::Paths;

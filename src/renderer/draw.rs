@@ -168,6 +168,7 @@ impl Loaded {
         let Some(push) = self.light.as_mut().and_then(LightProgress::next) else {
             return Ok(());
         };
+        let grows = self.light_growth().is_some();
         let Self {
             images,
             labels,
@@ -191,6 +192,7 @@ impl Loaded {
         }
         let variant = TraceVariant {
             reconstruction,
+            grows,
             count: workload == LightWorkload::Count,
         };
         recorder.pass(pass_name::LIGHT, |recorder| {

@@ -9,20 +9,24 @@ use crate::shader::structs::LightPush;
 pub(super) struct LightProgress {
     directions: Vec<([f64; 3], f64)>,
     traced: u32,
+    growth: Option<f64>,
     template: LightPush,
     ix_from_world: DMat3,
 }
 
 impl LightProgress {
+    /// `growth`: of the distance between samples, where it grows.
     pub(super) fn new(
         ao: &AmbientOcclusion,
         curve: &Curve,
         ix_from_world: DMat3,
         voxel_mm: f64,
+        growth: Option<f64>,
     ) -> Self {
         Self {
             directions: ao.weighted_directions(),
             traced: 0,
+            growth,
             template: LightPush {
                 direction_ix: [0.0; 3],
                 offset_mm: (ao.offset * voxel_mm) as f32,
@@ -33,7 +37,7 @@ impl LightProgress {
                 ray: 0,
                 first: 0,
                 count: 0,
-                pad0: 0,
+                growth: growth.unwrap_or(0.0) as f32,
             },
             ix_from_world,
         }
@@ -45,6 +49,15 @@ impl LightProgress {
 
     pub(super) fn traced(&self) -> u32 {
         self.traced
+    }
+
+    pub(super) fn growth(&self) -> Option<f64> {
+        self.growth
+    }
+
+    /// Back to no direction.
+    pub(super) fn restart(&mut self) {
+        self.traced = 0;
     }
 
     /// The next direction, `None` when all were traced.

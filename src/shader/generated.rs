@@ -411,3 +411,5 @@ pub const SPEC_COUNT: u32 = 27;
 pub const SPEC_DATA_COLOR: u32 = 28;
 
 pub const SPEC_STORED_GRADIENTS: u32 = 29;
+
+pub const SPEC_GROWTH: u32 = 31;

@@ -354,6 +354,7 @@ pub const LIGHT_TRACE: PassInterface = PassInterface {
         SPEC_EXACT_BINS,
         SPEC_LABELS,
         SPEC_COUNT,
+        SPEC_GROWTH,
     ],
     local_size: [4, 4, 4],
 };

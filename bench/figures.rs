@@ -57,6 +57,9 @@ pub(crate) struct Picture {
     pub(crate) voxel_bytes: u64,
     /// Voxels, index, tables and, where there is one, the light volume.
     pub(crate) resident_bytes: u64,
+    /// Packed corners of voxel cells, which only drivers that filter on the processor have.
+    #[serde(default)]
+    pub(crate) packed_bytes: u64,
     /// Bricks staged and uploaded.
     pub(crate) uploaded_bytes: u64,
 }

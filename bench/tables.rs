@@ -131,14 +131,16 @@ fn counters(run: &Run) -> Table {
             format!("{:.3}", p.samples as f64 / p.bare_samples as f64),
             format!("{:.2}", p.uploaded_bytes as f64 / p.voxel_bytes as f64),
             format!("{:.2}", p.resident_bytes as f64 / p.voxel_bytes as f64),
+            format!("{:.2}", p.packed_bytes as f64 / p.voxel_bytes as f64),
         ]
     };
     Table {
         title: "Counters",
         note: "They are the same on every machine, but for rounding at borders of cells. Bytes staged and bytes on the device \
-               are in multiples of the voxels' bytes; pictures are not counted."
+               are in multiples of the voxels' bytes; pictures are not counted, and packed corners, which only drivers that \
+               filter on the processor have, stand apart."
             .into(),
-        columns: &["picture", "visible", "samples", "of all", "staged", "resident"],
+        columns: &["picture", "visible", "samples", "of all", "staged", "resident", "packed"],
         rows: run.pictures.iter().map(row).collect(),
     }
 }

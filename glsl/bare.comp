@@ -9,6 +9,7 @@
 #include "classify.glsl"
 #include "ray.glsl"
 #include "lanes.glsl"
+#include "packed_cells.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -24,11 +25,18 @@ void main() {
     }
     Ray ray = ray_through(vec2(px) + 0.5, frame, volume.field_ix);
     uint count = segment_count(ray, 0.0);
-    vec3 uvw = (ray.origin_ix + 0.5 * ray.step_ix + 0.5) * push.extent_texel;
-    vec3 step_uvw = ray.step_ix * push.extent_texel;
+    // Where the first sample is and how far the next, for the read that there is.
+    vec3 at = ray.origin_ix + 0.5 * ray.step_ix;
+    vec3 ahead = ray.step_ix;
+    if (PACKED_CELLS == 0u) {
+        at = (at + 0.5) * push.extent_texel;
+        ahead *= push.extent_texel;
+    }
     vec4 sum = vec4(0.0);
     for (uint i = 0u; i < count; ++i) {
-        Classified c = classify(textureLod(t_voxels, uvw + float(i) * step_uvw, 0.0).r, 1.0);
+        vec3 there = at + float(i) * ahead;
+        float value = PACKED_CELLS == 0u ? textureLod(t_voxels, there, 0.0).r : packed_linear(there);
+        Classified c = classify(value, 1.0);
         sum += vec4(c.color, c.opacity);
     }
     imageStore(i_target, ivec2(px), sum);

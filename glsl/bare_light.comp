@@ -9,6 +9,7 @@
 #include "volume.glsl"
 #include "classify.glsl"
 #include "light_work.glsl"
+#include "packed_cells.glsl"
 
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
 
@@ -27,12 +28,20 @@ void main() {
     LightSample s = light_sample(entry, listed_sample(entry, gl_LocalInvocationIndex));
     uint parts = uint(push.parts);
     vec3 step_ix = push.direction_ix * ((push.radius_mm - push.offset_mm) / push.parts);
-    vec3 start_ix = vec3(s.sample_at) + 0.5 + push.direction_ix * push.offset_mm + 0.5 * step_ix;
-    vec3 uvw = start_ix * volume.atlas_texel;
-    vec3 step_uvw = step_ix * volume.atlas_texel;
+    // Where the first sample is and how far the next, for the read that there is.
+    vec3 at = vec3(s.sample_at) + push.direction_ix * push.offset_mm + 0.5 * step_ix;
+    vec3 ahead = step_ix;
+    if (PACKED_CELLS == 0u) {
+        at = (at + 0.5) * volume.atlas_texel;
+        ahead *= volume.atlas_texel;
+    }
+    vec3 last_at = 1.0 / volume.atlas_texel - 1.0;
     float sum = 0.0;
     for (uint m = 0u; m < parts; ++m) {
-        sum += classify_light(textureLod(t_voxels, uvw + float(m) * step_uvw, 0.0).r, 1.0).opacity;
+        vec3 there = at + float(m) * ahead;
+        float value =
+            PACKED_CELLS == 0u ? textureLod(t_voxels, there, 0.0).r : packed_linear(clamp(there, vec3(0.0), last_at));
+        sum += classify_light(value, 1.0).opacity;
     }
     // Lanes beyond the last sample of a brick work like the others, and may not write outside.
     imageStore(i_light, min(s.sample_at, imageSize(i_light) - 1), vec4(sum));

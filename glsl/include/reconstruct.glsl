@@ -1,5 +1,7 @@
 // The field between samples. Includes volume.glsl first.
 
+#include "packed_cells.glsl"
+
 // 0 nearest, 1 trilinear, 2 tri-cubic B-spline, 3 tri-cubic Catmull-Rom (src/pass/mod.rs).
 layout(constant_id = SPEC_INTERPOLATION) const uint INTERPOLATION = 1;
 layout(constant_id = SPEC_BLOCKS_APART) const bool BLOCKS_APART = false;
@@ -42,6 +44,9 @@ float atlas_linear_manual(vec3 at) {
 
 // Trilinear, whatever the march does: gradients and light follow the continuous field.
 float reconstruct_linear(Brick b, vec3 local) {
+    if (PACKED_CELLS != 0u) {
+        return packed_linear(b.origin_at + local);
+    }
     if (MANUAL_FILTER) {
         return atlas_linear_manual(b.origin_at + local);
     }

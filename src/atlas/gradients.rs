@@ -136,6 +136,10 @@ impl GradientVolume {
         self.estimator
     }
 
+    pub(crate) fn texel_bytes(&self) -> u32 {
+        self.coding.texel_bytes
+    }
+
     /// What a texel counts, and the texel of no gradient.
     pub(crate) fn decoding(&self) -> [f32; 2] {
         [self.coding.unit, self.coding.zero]

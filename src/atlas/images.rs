@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::{ColorAtlas, INTEGRAL_ROWS, LightWork, Residency, Store, TransferTable};
+use super::{ColorAtlas, INTEGRAL_ROWS, LightWork, PackedCells, Residency, Store, TransferTable};
 use crate::error::{Error, Result};
 use crate::gpu::memory::MemoryLocation;
 use crate::gpu::{Buffer, Context, Filter, Image, ImageInfo, Sampler};
@@ -24,6 +24,8 @@ pub(crate) struct Images {
     pub(crate) index: Image,
     /// Leaps through skip cells.
     pub(crate) skip: Image,
+    /// Corners of voxel cells, packed; what fills them decides when they can be read.
+    pub(crate) cells: Option<PackedCells>,
     /// Colours of the data, where they are drawn.
     pub(crate) color: Option<ColorAtlas>,
     /// Transfer-function table.
@@ -93,6 +95,7 @@ impl Images {
             })
             .transpose()?;
         Ok(Self {
+            cells: None,
             color,
             atlas: volume_image("atlas", extent, format, sampled)?,
             index: volume_image(
@@ -152,7 +155,8 @@ impl Images {
     }
 
     /// Nothing is known of what the images hold; see [`Image::forget`].
-    pub(crate) fn forget(&self) {
+    pub(crate) fn forget(&mut self) {
+        self.cells.iter_mut().for_each(PackedCells::forget);
         let images = [
             &self.atlas,
             &self.index,

@@ -109,6 +109,11 @@ impl Image {
         self.access.set(Access::Unknown);
     }
 
+    /// Bytes of device memory.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.block.as_ref().map_or(0, |block| block.size)
+    }
+
     /// Texels on x, y, z.
     pub(crate) fn extent(&self) -> [u32; 3] {
         self.extent

@@ -114,6 +114,10 @@ pub struct BlockStats {
 pub struct MemoryStats {
     /// On the device, held by the renderer now.
     pub device_bytes: u64,
+    /// Of those: the second copy of the voxels with packed corners (`storage.packed_cells`); 0 without.
+    pub packed_cells_bytes: u64,
+    /// Of those: stored gradients (`lighting.stored_gradients`); 0 without.
+    pub gradients_bytes: u64,
     /// Bytes of bricks that were staged and uploaded since the volume was loaded.
     pub uploaded_bytes: u64,
     /// Peak on the host; 0 where it is not counted (the program counts it).
@@ -186,6 +190,7 @@ pub(super) fn of(
 ) -> Stats {
     let selection = &loaded.residency().selection;
     let (traced, rays) = loaded.light_progress();
+    let (packed_cells_bytes, gradients_bytes) = loaded.derived_bytes();
     Stats {
         device: DeviceStats {
             name: device.name.clone(),
@@ -222,6 +227,8 @@ pub(super) fn of(
         data_reduction: selection.data_reduction,
         memory: MemoryStats {
             device_bytes,
+            packed_cells_bytes,
+            gradients_bytes,
             uploaded_bytes: times.uploaded_bytes,
             host_peak_bytes: 0,
         },

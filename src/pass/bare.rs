@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::{Variants, tile_groups, tiles};
+use super::{Variants, tile_groups, tiles, use_cells};
 use crate::atlas::Images;
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Recorder, Uniforms};
@@ -22,6 +22,8 @@ use crate::shader::structs::BarePush;
 /// What the bare march works on.
 pub(crate) struct BareResources<'a> {
     pub(crate) images: &'a Images,
+    /// As [`super::Reconstruction::packed_cells`].
+    pub(crate) packed_cells: u32,
     /// Voxels of the volume on x, y, z.
     pub(crate) size: [u32; 3],
     pub(crate) volume: Uniforms,
@@ -50,14 +52,16 @@ impl BarePass {
         size_px: [u32; 2],
         tile: u32,
     ) -> Result<()> {
-        let pipeline = self.variants.get(context, &interface::BARE, Vec::new())?;
         let BareResources {
             images,
+            packed_cells,
             size,
             volume,
             frame,
             target,
         } = *resources;
+        let constants = vec![(SPEC_PACKED_CELLS, packed_cells)];
+        let pipeline = self.variants.get(context, &interface::BARE, constants)?;
         recorder.use_image(&images.atlas, Access::SampledRead);
         recorder.use_image(&images.transfer, Access::SampledRead);
         let sampled = |image, sampler| Bound::Sampled {
@@ -74,6 +78,7 @@ impl BarePass {
                 BINDING_VOXELS,
                 sampled(&images.atlas, images.atlas_sampler()),
             ),
+            use_cells(recorder, images),
         ];
         recorder.bind(pipeline, &bound)?;
         let extent_texel = size.map(|n| 1.0 / n as f32);

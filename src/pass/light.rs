@@ -74,7 +74,7 @@ impl LightPass {
             work,
             volume,
         } = *resources;
-        let [atlas, index, skip, transfer] = use_field(recorder, images);
+        let [atlas, index, skip, transfer, cells] = use_field(recorder, images);
         let [labels, label_table] = use_labels(recorder, images, labels);
         recorder.use_image(&images.light, Access::Storage);
         let bound = [
@@ -83,6 +83,7 @@ impl LightPass {
             index,
             skip,
             transfer,
+            cells,
             (BINDING_BRICKS, Bound::Storage(&lists.bricks)),
             (BINDING_WORK, Bound::Storage(&lists.trace)),
             (BINDING_LIGHT_STORE, Bound::StorageImage(&images.light)),

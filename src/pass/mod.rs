@@ -4,6 +4,7 @@ pub(crate) mod bare;
 pub(crate) mod bare_light;
 pub(crate) mod gradients;
 pub(crate) mod light;
+pub(crate) mod pack_cells;
 pub(crate) mod picture;
 pub(crate) mod preintegrate;
 pub(crate) mod scatter;
@@ -60,6 +61,8 @@ pub(crate) struct Reconstruction {
     pub(crate) interpolation: Interpolation,
     /// The texture unit cannot filter the voxel format.
     pub(crate) manual: bool,
+    /// Bytes of the samples whose packed corners are read; 0 for none.
+    pub(crate) packed_cells: u32,
     pub(crate) inter_block: bool,
     pub(crate) skipping: bool,
     pub(crate) emission: bool,
@@ -76,7 +79,7 @@ impl Reconstruction {
     pub(crate) fn constants(self) -> Constants {
         use crate::shader::generated::{
             SPEC_BLOCKS_APART, SPEC_EMISSION, SPEC_EXACT_BINS, SPEC_INTERPOLATION, SPEC_LABELS,
-            SPEC_MANUAL_FILTER, SPEC_SKIPPING, SPEC_UNIFORM_GRID,
+            SPEC_MANUAL_FILTER, SPEC_PACKED_CELLS, SPEC_SKIPPING, SPEC_UNIFORM_GRID,
         };
         vec![
             (
@@ -89,6 +92,7 @@ impl Reconstruction {
                 },
             ),
             (SPEC_MANUAL_FILTER, self.manual.into()),
+            (SPEC_PACKED_CELLS, self.packed_cells),
             (SPEC_BLOCKS_APART, (!self.inter_block).into()),
             (SPEC_SKIPPING, self.skipping.into()),
             (SPEC_EMISSION, self.emission.into()),
@@ -120,19 +124,29 @@ fn sampled<'a>(image: &'a Image, sampler: &'a Sampler) -> Bound<'a> {
     }
 }
 
+/// The packed corners of voxel cells; without any an image of the same kind stands in, which nothing reads.
+fn use_cells<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> (u32, Bound<'a>) {
+    let cells = images.cells.as_ref().map_or(&images.skip, |c| &c.image);
+    recorder.use_image(cells, Access::SampledRead);
+    let binding = crate::shader::generated::BINDING_CELLS;
+    (binding, sampled(cells, &images.nearest))
+}
+
 /// What every pass that samples and classifies the field reads: asks for the barriers and gives the bindings.
-fn use_field<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> [(u32, Bound<'a>); 4] {
+fn use_field<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> [(u32, Bound<'a>); 5] {
     use crate::shader::generated::{BINDING_ATLAS, BINDING_INDEX, BINDING_SKIP, BINDING_TRANSFER};
+    let cells = use_cells(recorder, images);
     let field = [
         (BINDING_ATLAS, &images.atlas, images.atlas_sampler()),
         (BINDING_INDEX, &images.index, &images.nearest),
         (BINDING_SKIP, &images.skip, &images.nearest),
         (BINDING_TRANSFER, &images.transfer, &images.nearest),
     ];
-    field.map(|(binding, image, sampler)| {
+    let [atlas, index, skip, transfer] = field.map(|(binding, image, sampler)| {
         recorder.use_image(image, Access::SampledRead);
         (binding, sampled(image, sampler))
-    })
+    });
+    [atlas, index, skip, transfer, cells]
 }
 
 /// What a pass that looks labels up reads; without labels images of the same kinds stand in, which it does not read.

@@ -45,6 +45,7 @@ impl Loaded {
         Reconstruction {
             interpolation: self.settings.march.interpolation,
             manual: self.images.manual_filter,
+            packed_cells: self.packed_sample_bytes(),
             inter_block: self.settings.march.inter_block_interpolation,
             skipping: self.settings.march.empty_space_skipping,
             emission: emission && self.settings.curve.emits(),
@@ -443,6 +444,7 @@ impl Loaded {
         let params = self.frame_params(frame);
         let frame_uniforms = recorder.slot().uniforms(bytemuck::bytes_of(&params))?;
         let tile = self.tile.unwrap_or_else(|| self.default_tile());
+        let packed_cells = self.packed_sample_bytes();
         let Self {
             images,
             bare_pass,
@@ -452,6 +454,7 @@ impl Loaded {
         recorder.pass(pass_name::BARE, |recorder| {
             let resources = BareResources {
                 images,
+                packed_cells,
                 size: store.volume.size(),
                 volume,
                 frame: frame_uniforms,

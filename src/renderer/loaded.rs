@@ -5,13 +5,15 @@ use std::sync::Arc;
 use super::RayBasis;
 use super::gradients::gradients;
 use super::light::LightProgress;
+use super::packed::packing;
 use super::paths::Paths;
 use super::prepared::Prepared;
 use super::settings::Settings;
 use super::transport::Transport;
 use crate::atlas::{
     COLOR_TEXEL_BYTES, GradientVolume, Images, LIGHT_TEXEL_BYTES, LabelImages, LightLists,
-    Residency, SampleLengths, SampleScale, Shown, Store, TransferTable, Uploads, Visibility,
+    PackedCells, Residency, SampleLengths, SampleScale, Shown, Store, TransferTable, Uploads,
+    Visibility,
 };
 use crate::error::Result;
 use crate::gpu::Context;
@@ -20,6 +22,7 @@ use crate::pass::bare::BarePass;
 use crate::pass::bare_light::BareLightPass;
 use crate::pass::gradients::GradientsPass;
 use crate::pass::light::LightPass;
+use crate::pass::pack_cells::PackCellsPass;
 use crate::pass::picture::PicturePass;
 use crate::pass::scatter::ScatterPass;
 use crate::pass::shadow::ShadowPass;
@@ -47,6 +50,7 @@ pub(crate) struct Loaded {
     pub(super) picture_pass: PicturePass,
     pub(super) light_pass: LightPass,
     pub(super) gradients_pass: GradientsPass,
+    pub(super) pack_cells_pass: PackCellsPass,
     pub(super) shadow_pass: ShadowPass,
     pub(super) scatter_pass: ScatterPass,
     pub(super) bare_pass: BarePass,
@@ -66,9 +70,12 @@ impl Loaded {
         let lit = settings.ambient_occlusion.is_some();
         let visibility = visibility(&store, &residency, &table, &settings)?;
         let prepared = Prepared::new(context, NAME, &table, &residency, &settings)?;
-        let images = Images::new(context, NAME, &store, &residency, lit, settings.data_color)?;
+        let mut images = Images::new(context, NAME, &store, &residency, lit, settings.data_color)?;
         let labels = label_images(context, &settings)?;
         let gradients = gradients(context, &store, &residency, &settings)?;
+        images.cells = packing(context, &store, &residency, &settings, gradients.as_ref())
+            .map(|packing| PackedCells::new(context, NAME, packing))
+            .transpose()?;
         let lists = LightLists::new(context, NAME, &visibility.light)?;
         let light = light_progress(&store, &settings);
         let uploads = Uploads::all(&residency);
@@ -94,6 +101,7 @@ impl Loaded {
             picture_pass: PicturePass::new(context)?,
             light_pass: LightPass::new(),
             gradients_pass: GradientsPass::new(),
+            pack_cells_pass: PackCellsPass::new(),
             shadow_pass: ShadowPass::new(),
             scatter_pass: ScatterPass::new(),
             bare_pass: BarePass::new(),
@@ -176,6 +184,18 @@ impl Loaded {
         let gradients = regradient
             .then(|| gradients(context, &self.store, current, &settings))
             .transpose()?;
+        let kept = gradients.as_ref().unwrap_or(&self.gradients).as_ref();
+        let packing = packing(context, &self.store, current, &settings, kept);
+        // Texels of an atlas that stays need not be packed again.
+        let repack =
+            images.is_some() || packing != self.images.cells.as_ref().map(PackedCells::packing);
+        let cells = repack
+            .then(|| {
+                packing
+                    .map(|packing| PackedCells::new(context, NAME, packing))
+                    .transpose()
+            })
+            .transpose()?;
         let lists = visibility
             .as_ref()
             .map(|v| LightLists::new(context, NAME, &v.light))
@@ -205,6 +225,9 @@ impl Loaded {
             self.uploads = Uploads::all(current);
         } else if reclassify {
             self.uploads.reclassify();
+        }
+        if let Some(cells) = cells {
+            self.images.cells = cells;
         }
         self.uploads.relength();
         if let Some(residency) = residency {

@@ -7,6 +7,7 @@ mod draw;
 mod gradients;
 mod light;
 mod loaded;
+mod packed;
 mod paths;
 mod prepared;
 mod rays;
@@ -237,6 +238,7 @@ impl Renderer {
 /// Names of the passes, as labels, in timings and in crash reports.
 pub(crate) mod pass_name {
     pub(crate) const UPLOAD: &str = "upload";
+    pub(crate) const PACK_CELLS: &str = "pack_cells";
     pub(crate) const GRADIENTS: &str = "gradients";
     pub(crate) const PREINTEGRATE: &str = "preintegrate";
     pub(crate) const LIGHT: &str = "light";
@@ -257,6 +259,7 @@ pub(crate) fn record(
     work: Work,
 ) -> Result<FrameReport> {
     let mut report = loaded.record_uploads(context, recorder, frame.upload_budget)?;
+    loaded.record_packed_cells(context, recorder, frame.upload_budget)?;
     let volume = recorder
         .slot()
         .uniforms(bytemuck::bytes_of(&loaded.volume_params()))?;

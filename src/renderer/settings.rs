@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use crate::scene::{
-    AmbientOcclusion, Classification, ColorManagement, Curve, EnvironmentMap, Gradient, Labels,
-    Lighting, March, OpticalModel, RayProjection, Reflectance, ScatteringMethod, Scene, Shading,
-    Storage, Surface, VolumeColor, check_data_color, check_together,
+    AmbientOcclusion, Classification, ColorManagement, Curve, EnvironmentMap, Gradient,
+    Interpolation, Labels, Lighting, March, OpticalModel, RayProjection, Reflectance,
+    ScatteringMethod, Scene, Shading, Storage, Surface, VolumeColor, check_data_color,
+    check_together,
 };
 use crate::volume::Volume;
 
@@ -156,6 +157,14 @@ impl Settings {
         };
         let stored = lighting.stored_gradients && self.march.inter_block_interpolation;
         (shaded && stored).then_some(lighting.gradient)
+    }
+
+    /// True when something reads the field between voxels.
+    pub(super) fn interpolates(&self) -> bool {
+        let march = &self.march;
+        let picture = march.interpolation != Interpolation::Nearest
+            && march.classification() != Classification::Pre;
+        picture || self.ambient_occlusion.is_some()
     }
 
     /// Labels must lie where the volume does, and colours that are to be drawn must be there.

@@ -148,6 +148,12 @@ pub static ORDINATES_SWEEP: Module = Module {
     words: include_spirv!("ordinates_sweep.spv"),
 };
 
+/// `spirv/pack_cells.spv`.
+pub static PACK_CELLS: Module = Module {
+    name: "pack_cells",
+    words: include_spirv!("pack_cells.spv"),
+};
+
 /// `spirv/pathtrace.spv`.
 pub static PATHTRACE: Module = Module {
     name: "pathtrace",
@@ -241,6 +247,7 @@ pub static MODULES: &[&Module] = &[
     &ORDINATES_GATHER,
     &ORDINATES_SOURCE,
     &ORDINATES_SWEEP,
+    &PACK_CELLS,
     &PATHTRACE,
     &PATHTRACE_BLEND_RGBA16F,
     &PATHTRACE_BLEND_RGBA32F,
@@ -352,6 +359,10 @@ pub const BINDING_GRADIENTS_STORE: u32 = 47;
 
 pub const BINDING_CHUNKS: u32 = 48;
 
+pub const BINDING_CELLS: u32 = 49;
+
+pub const BINDING_CELLS_STORE: u32 = 50;
+
 pub const SPEC_INTERPOLATION: u32 = 0;
 
 pub const SPEC_BLOCKS_APART: u32 = 1;
@@ -411,5 +422,7 @@ pub const SPEC_COUNT: u32 = 27;
 pub const SPEC_DATA_COLOR: u32 = 28;
 
 pub const SPEC_STORED_GRADIENTS: u32 = 29;
+
+pub const SPEC_PACKED_CELLS: u32 = 30;
 
 pub const SPEC_GROWTH: u32 = 31;

@@ -308,6 +308,8 @@ fn assert_stats(stats: &Value) {
         "/blocks/by_level",
         "/data_reduction",
         "/memory/device_bytes",
+        "/memory/packed_cells_bytes",
+        "/memory/gradients_bytes",
         "/memory/host_peak_bytes",
     ] {
         assert!(

@@ -28,7 +28,7 @@ const PLANES: [f64; 2] = [0.5, 400.0];
 const TOLERANCE: f64 = 0.5 / 255.0;
 
 /// Options and the number of their values.
-const OPTIONS: [(&str, usize); 13] = [
+const OPTIONS: [(&str, usize); 14] = [
     ("projection", 6),
     ("interpolation", 4),
     ("classification", 4),
@@ -42,6 +42,7 @@ const OPTIONS: [(&str, usize); 13] = [
     ("scene depth", 2),
     ("memory", 2),
     ("skipping", 2),
+    ("voxels", 4),
 ];
 
 type Choice = [usize; OPTIONS.len()];
@@ -105,14 +106,26 @@ fn scene_of(choice: &Choice) -> Subject {
         _depth,
         _memory,
         skipping,
+        voxels,
     ] = *choice;
     let placement = placed([1.0, 0.8, 1.2], [0.3, 0.1, 1.0], 35.0, [4.0, -3.0, 7.0]);
+    // Two with packed corners, and two without.
+    let (voxel_type, largest, packed) = [
+        (VoxelType::F32, 1.0, true),
+        (VoxelType::U16, 65535.0, true),
+        (VoxelType::U8, 255.0, true),
+        (VoxelType::U16, 65535.0, false),
+    ][voxels];
+    let rescale = Rescale {
+        slope: 1.0 / largest,
+        intercept: 0.0,
+    };
     let volume = sampled(
-        VoxelType::F32,
+        voxel_type,
         [49, 53, 47],
         placement,
-        Rescale::default(),
-        [0.0, 1.0],
+        rescale,
+        [0.0, largest],
         bump,
     );
     let at = |p: [f64; 3]| {
@@ -135,7 +148,8 @@ fn scene_of(choice: &Choice) -> Subject {
         },
         _ => Camera::Perspective {
             eye: (middle + DVec3::new(3.0, -9.0, 2.0)).to_array(),
-            target: at([0.6, 0.5, 0.6]).to_array(),
+            // Off what is round: nearest neighbours of a place in the middle of two are a matter of rounding.
+            target: at([0.613, 0.517, 0.6]).to_array(),
             up: [0.0, 0.0, 1.0],
             fov_y: 70.0,
         },
@@ -182,6 +196,7 @@ fn scene_of(choice: &Choice) -> Subject {
     if reduction == 1 {
         scene.storage.data_reduction = 1.3;
     }
+    scene.storage.packed_cells = packed;
     subject
 }
 

@@ -11,5 +11,6 @@ mod labels;
 mod levels;
 mod light;
 mod limits;
+mod packed;
 mod random;
 mod sessions;

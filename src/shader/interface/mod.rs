@@ -159,9 +159,10 @@ const MARCH_SPEC_IDS: &[u32] = &[
     SPEC_LABELS,
     SPEC_DATA_COLOR,
     SPEC_STORED_GRADIENTS,
+    SPEC_PACKED_CELLS,
 ];
 
-const fn march_bindings(target: Access) -> [Binding; 16] {
+const fn march_bindings(target: Access) -> [Binding; 17] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -179,6 +180,7 @@ const fn march_bindings(target: Access) -> [Binding; 16] {
         sampled(BINDING_LABEL_TABLE),
         sampled(BINDING_COLOR),
         sampled(BINDING_GRADIENTS),
+        sampled(BINDING_CELLS),
     ]
 }
 
@@ -211,9 +213,10 @@ const EXTREMUM_SPEC_IDS: &[u32] = &[
     SPEC_EXACT_BINS,
     SPEC_PROJECTION,
     SPEC_LABELS,
+    SPEC_PACKED_CELLS,
 ];
 
-const fn extremum_bindings(target: Access) -> [Binding; 11] {
+const fn extremum_bindings(target: Access) -> [Binding; 12] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -226,6 +229,7 @@ const fn extremum_bindings(target: Access) -> [Binding; 11] {
         sampled(BINDING_RANGE),
         sampled(BINDING_LABELS),
         sampled(BINDING_LABEL_TABLE),
+        sampled(BINDING_CELLS),
     ]
 }
 
@@ -259,9 +263,10 @@ const ISOSURFACE_SPEC_IDS: &[u32] = &[
     SPEC_GRADIENT,
     SPEC_LABELS,
     SPEC_STORED_GRADIENTS,
+    SPEC_PACKED_CELLS,
 ];
 
-const fn isosurface_bindings(target: Access) -> [Binding; 13] {
+const fn isosurface_bindings(target: Access) -> [Binding; 14] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -276,6 +281,7 @@ const fn isosurface_bindings(target: Access) -> [Binding; 13] {
         sampled(BINDING_LABELS),
         sampled(BINDING_LABEL_TABLE),
         sampled(BINDING_GRADIENTS),
+        sampled(BINDING_CELLS),
     ]
 }
 
@@ -303,6 +309,7 @@ pub const GRADIENTS: PassInterface = PassInterface {
         sampled(BINDING_INDEX),
         storage_image(BINDING_GRADIENTS_STORE, Access::Write),
         storage_read(BINDING_CHUNKS),
+        sampled(BINDING_CELLS),
     ],
     push_constants: Some(PartPush::LAYOUT),
     spec_ids: &[
@@ -311,8 +318,21 @@ pub const GRADIENTS: PassInterface = PassInterface {
         SPEC_MANUAL_FILTER,
         SPEC_UNIFORM_GRID,
         SPEC_GRADIENT,
+        SPEC_PACKED_CELLS,
     ],
     local_size: [4, 4, 4],
+};
+
+/// Corners of voxel cells, packed.
+pub const PACK_CELLS: PassInterface = PassInterface {
+    module: &generated::PACK_CELLS,
+    bindings: &[
+        sampled(BINDING_ATLAS),
+        storage_image(BINDING_CELLS_STORE, Access::Write),
+    ],
+    push_constants: Some(PartPush::LAYOUT),
+    spec_ids: &[SPEC_PACKED_CELLS],
+    local_size: [8, 8, 1],
 };
 
 /// The table of pre-integrated classification.
@@ -342,6 +362,7 @@ pub const LIGHT_TRACE: PassInterface = PassInterface {
         storage_image(BINDING_LIGHT_STORE, Access::ReadWrite),
         sampled(BINDING_LABELS),
         sampled(BINDING_LABEL_TABLE),
+        sampled(BINDING_CELLS),
     ],
     push_constants: Some(LightPush::LAYOUT),
     spec_ids: &[
@@ -354,6 +375,7 @@ pub const LIGHT_TRACE: PassInterface = PassInterface {
         SPEC_EXACT_BINS,
         SPEC_LABELS,
         SPEC_COUNT,
+        SPEC_PACKED_CELLS,
         SPEC_GROWTH,
     ],
     local_size: [4, 4, 4],
@@ -383,9 +405,10 @@ pub const BARE: PassInterface = PassInterface {
         sampled(BINDING_TRANSFER),
         storage_image(BINDING_TARGET, Access::Write),
         sampled(BINDING_VOXELS),
+        sampled(BINDING_CELLS),
     ],
     push_constants: Some(BarePush::LAYOUT),
-    spec_ids: &[SPEC_EMISSION, SPEC_EXACT_BINS],
+    spec_ids: &[SPEC_EMISSION, SPEC_EXACT_BINS, SPEC_PACKED_CELLS],
     local_size: [8, 8, 1],
 };
 
@@ -399,9 +422,15 @@ pub const BARE_LIGHT: PassInterface = PassInterface {
         storage_read(BINDING_WORK),
         storage_image(BINDING_LIGHT_STORE, Access::Write),
         sampled(BINDING_VOXELS),
+        sampled(BINDING_CELLS),
     ],
     push_constants: Some(LightPush::LAYOUT),
-    spec_ids: &[SPEC_EMISSION, SPEC_UNIFORM_GRID, SPEC_EXACT_BINS],
+    spec_ids: &[
+        SPEC_EMISSION,
+        SPEC_UNIFORM_GRID,
+        SPEC_EXACT_BINS,
+        SPEC_PACKED_CELLS,
+    ],
     local_size: [4, 4, 4],
 };
 
@@ -428,6 +457,7 @@ pub const PASSES: &[PassInterface] = &[
     PATHTRACE.blend_rgba16f,
     PATHTRACE.blend_rgba32f,
     GRADIENTS,
+    PACK_CELLS,
     PREINTEGRATE,
     LIGHT_TRACE,
     LIGHT_SEAM,

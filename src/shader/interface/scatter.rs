@@ -17,6 +17,7 @@ const GRID_SPEC_IDS: &[u32] = &[
     SPEC_PHASE,
     SPEC_GLOWS,
     SPEC_ENVIRONMENT,
+    SPEC_PACKED_CELLS,
 ];
 
 /// The medium, averaged over the cells of the grid of scattered light.
@@ -32,6 +33,7 @@ pub const GRID_MEDIUM: PassInterface = PassInterface {
         uniform(BINDING_MEDIUM),
         storage_image(BINDING_GRID_MEDIUM_STORE, Access::Write),
         storage_image(BINDING_GRID_EMISSION_STORE, Access::Write),
+        sampled(BINDING_CELLS),
     ],
     push_constants: None,
     spec_ids: &[
@@ -43,6 +45,7 @@ pub const GRID_MEDIUM: PassInterface = PassInterface {
         SPEC_EXACT_BINS,
         SPEC_LABELS,
         SPEC_GLOWS,
+        SPEC_PACKED_CELLS,
     ],
     local_size: [4, 4, 4],
 };
@@ -108,6 +111,7 @@ pub const ORDINATES_GATHER: PassInterface = PassInterface {
         SPEC_LABELS,
         SPEC_PHASE,
         SPEC_GLOWS,
+        SPEC_PACKED_CELLS,
     ],
     local_size: [4, 4, 4],
 };

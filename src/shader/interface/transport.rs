@@ -30,9 +30,10 @@ const TRANSPORT_SPEC_IDS: &[u32] = &[
     SPEC_CHROMATIC,
     SPEC_SCATTERED,
     SPEC_STORED_GRADIENTS,
+    SPEC_PACKED_CELLS,
 ];
 
-const fn transport_bindings(target: Access) -> [Binding; 18] {
+const fn transport_bindings(target: Access) -> [Binding; 19] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -52,6 +53,7 @@ const fn transport_bindings(target: Access) -> [Binding; 18] {
         sampled(BINDING_PHASE),
         storage_image(BINDING_THROUGH, Access::Write),
         sampled(BINDING_GRADIENTS),
+        sampled(BINDING_CELLS),
     ]
 }
 
@@ -87,9 +89,10 @@ const PATHTRACE_SPEC_IDS: &[u32] = &[
     SPEC_GLOWS,
     SPEC_ENVIRONMENT,
     SPEC_GLOBAL_MAJORANT,
+    SPEC_PACKED_CELLS,
 ];
 
-const fn pathtrace_bindings(target: Access) -> [Binding; 18] {
+const fn pathtrace_bindings(target: Access) -> [Binding; 19] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -109,6 +112,7 @@ const fn pathtrace_bindings(target: Access) -> [Binding; 18] {
         storage_image(BINDING_PATHS_SUM, Access::ReadWrite),
         storage_image(BINDING_PATHS_SQUARE, Access::ReadWrite),
         storage_image(BINDING_PATHS_THROUGH, Access::ReadWrite),
+        sampled(BINDING_CELLS),
     ]
 }
 
@@ -140,6 +144,7 @@ pub const SHADOW_SWEEP: PassInterface = PassInterface {
         sampled(BINDING_LABEL_TABLE),
         uniform(BINDING_MEDIUM),
         storage_image(BINDING_SHADOW_STORE, Access::ReadWrite),
+        sampled(BINDING_CELLS),
     ],
     push_constants: Some(SweepPush::LAYOUT),
     spec_ids: &[
@@ -154,6 +159,7 @@ pub const SHADOW_SWEEP: PassInterface = PassInterface {
         SPEC_PHASE,
         SPEC_GLOWS,
         SPEC_ENVIRONMENT,
+        SPEC_PACKED_CELLS,
     ],
     local_size: [8, 8, 1],
 };

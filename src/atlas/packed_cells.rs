@@ -1,0 +1,130 @@
+//! The corners of voxel cells, packed: a second copy of the atlas, for drivers that filter on the processor.
+//!
+//! A filter reads eight texels for a sample, each with an address of its own. Here the eight lie in two texels, four of each
+//! slice: `glsl/include/packed_cells.glsl` fetches and interpolates them in about half the time.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::residency::{Residency, Store};
+use crate::error::Result;
+use crate::gpu::{Context, Image, ImageInfo};
+use crate::volume::VoxelType;
+
+/// Cells of a row of a texel; the shader's `CELLS_A_ROW`.
+const CELLS_A_ROW: u32 = 3;
+/// Largest index whose texel the shader finds (`third_of`).
+const MAX_INDEX: u32 = 49151;
+
+const FORMAT: vk::Format = vk::Format::R32G32B32A32_UINT;
+const TEXEL_BYTES: u64 = 16;
+
+/// What packed corners would be like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Packing {
+    extent: [u32; 3],
+    /// Bytes of a sample, 1 or 2.
+    sample_bytes: u32,
+}
+
+impl Packing {
+    /// `None` where the device filters faster itself, samples have more than two bytes, or the budget, which the texels of the
+    /// atlas and what belongs to each share, has no room.
+    pub(crate) fn of(
+        context: &Context,
+        store: &Store,
+        residency: &Residency,
+        other_texel_bytes: u32,
+        budget_bytes: u64,
+    ) -> Option<Self> {
+        let sample_bytes = match store.volume.voxels().voxel_type() {
+            VoxelType::U8 | VoxelType::I8 => 1,
+            VoxelType::U16 | VoxelType::I16 => 2,
+            VoxelType::F32 => return None,
+        };
+        let [width, height, depth] = residency.layout.extent();
+        if context.capabilities().device_type != "cpu"
+            || !context.can_store(FORMAT)
+            || width.max(height) > MAX_INDEX
+            || depth >= context.capabilities().max_extent_3d
+        {
+            return None;
+        }
+        let rows = if sample_bytes == 1 {
+            height.div_ceil(CELLS_A_ROW)
+        } else {
+            height
+        };
+        // One slice more: samples on the last one fetch the next, of which they take nothing.
+        let extent = [width.div_ceil(CELLS_A_ROW), rows, depth + 1];
+        let texels = extent.iter().map(|&n| u64::from(n)).product::<u64>();
+        let texel_bytes = u64::from(sample_bytes + other_texel_bytes);
+        let beside = residency.layout.texels().saturating_mul(texel_bytes);
+        let bytes = texels.saturating_mul(TEXEL_BYTES).saturating_add(beside);
+        (bytes <= budget_bytes).then_some(Self {
+            extent,
+            sample_bytes,
+        })
+    }
+}
+
+/// Packed corners on the device.
+pub(crate) struct PackedCells {
+    pub(crate) image: Image,
+    packing: Packing,
+    /// Slices that are packed.
+    done: u32,
+}
+
+impl PackedCells {
+    /// # Errors
+    /// [`crate::Error::OutOfMemory`].
+    pub(crate) fn new(context: &Arc<Context>, name: &str, packing: Packing) -> Result<Self> {
+        let image = Image::new(
+            context,
+            &ImageInfo {
+                name: &format!("{name}.cells"),
+                extent: packing.extent,
+                format: FORMAT,
+                three_dimensional: true,
+                usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::STORAGE,
+            },
+        )?;
+        Ok(Self {
+            image,
+            packing,
+            done: 0,
+        })
+    }
+
+    pub(crate) fn packing(&self) -> Packing {
+        self.packing
+    }
+
+    /// Bytes of a sample, 1 or 2.
+    pub(crate) fn sample_bytes(&self) -> u32 {
+        self.packing.sample_bytes
+    }
+
+    /// See [`Image::forget`]. Everything is packed again.
+    pub(crate) fn forget(&mut self) {
+        self.image.forget();
+        self.done = 0;
+    }
+
+    pub(crate) fn is_complete(&self) -> bool {
+        self.done == self.packing.extent[2]
+    }
+
+    /// The next slices, of about `budget` bytes, first and count; they count as packed from now on.
+    pub(crate) fn next_slices(&mut self, budget: usize) -> [u32; 2] {
+        let [width, height, depth] = self.packing.extent;
+        let slice = u64::from(width) * u64::from(height) * TEXEL_BYTES;
+        let most = (budget as u64 / slice).max(1);
+        let count = most.min(u64::from(depth - self.done)) as u32;
+        let first = self.done;
+        self.done += count;
+        [first, count]
+    }
+}

@@ -1,0 +1,166 @@
+//! Packed corners of voxel cells show what filters do, wherever something interpolates.
+
+use umbravox::headless::{Headless, Session};
+use umbravox::picture::Picture;
+use umbravox::scene::{AmbientOcclusion, Camera, Interpolation, RayProjection, Shading};
+use umbravox::volume::{Volume, Voxels};
+
+use crate::sessions::{Subject, assert_valid, device, point, shown};
+
+// No edge is a whole number of texels.
+const SIZE: [u32; 3] = [41, 34, 37];
+
+/// Waves that reach the borders, in whole numbers from `low` to `high`.
+fn waves(low: f64, high: f64) -> impl Iterator<Item = f64> {
+    let [width, height, depth] = SIZE;
+    (0..width * height * depth)
+        .map(move |i| [i % width, i / width % height, i / (width * height)].map(f64::from))
+        .map(|[x, y, z]| 0.5 + 0.5 * (0.9 * x).sin() * (0.7 * y + 0.4).cos() * (0.8 * z).sin())
+        .map(move |v| (low + (high - low) * v).round())
+}
+
+/// The waves in one type, with a transfer function that shows the upper part of them.
+fn subject(voxels: Voxels, low: f64, high: f64) -> Subject {
+    let volume = Volume::axis_aligned(voxels, SIZE, [1.0, 1.3, 0.8]).unwrap();
+    let at = |part: f64| low + (high - low) * part;
+    let points = vec![
+        point(at(0.45), [0.2, 0.5, 0.9], 0.0),
+        point(at(0.7), [0.9, 0.3, 0.1], 0.2),
+        point(at(1.0), [0.9, 0.8, 0.4], 0.4),
+    ];
+    Subject::new(volume, Camera::default(), [48, 40], 1.0, points)
+}
+
+fn kinds() -> [(&'static str, Subject); 4] {
+    [
+        (
+            "u8",
+            subject(
+                Voxels::U8(waves(0.0, 255.0).map(|v| v as u8).collect()),
+                0.0,
+                255.0,
+            ),
+        ),
+        (
+            "i8",
+            subject(
+                Voxels::I8(waves(-128.0, 127.0).map(|v| v as i8).collect()),
+                -128.0,
+                127.0,
+            ),
+        ),
+        (
+            "u16",
+            subject(
+                Voxels::U16(waves(0.0, 65535.0).map(|v| v as u16).collect()),
+                0.0,
+                65535.0,
+            ),
+        ),
+        (
+            "i16",
+            subject(
+                Voxels::I16(waves(-32768.0, 32767.0).map(|v| v as i16).collect()),
+                -32768.0,
+                32767.0,
+            ),
+        ),
+    ]
+}
+
+/// True when corners are packed.
+fn packs(session: &mut Session) -> bool {
+    session.stats().unwrap().memory.packed_cells_bytes > 0
+}
+
+/// The picture, and whether corners were packed for it.
+fn first(subject: &Subject, device: &Headless) -> (Picture, bool) {
+    let mut session = subject.session(device);
+    let picture = session.frame().unwrap();
+    (picture, packs(&mut session))
+}
+
+fn largest_difference(one: &Picture, other: &Picture) -> f32 {
+    let pixels = one.rgba.iter().flatten().zip(other.rgba.iter().flatten());
+    pixels.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
+#[test]
+fn packed_corners_show_what_filters_do() {
+    let device = device(|_| {});
+    for (name, plain) in kinds() {
+        let subjects = [
+            ("march", plain.clone()),
+            (
+                "step 0.3, shaded",
+                plain.with(|scene| {
+                    scene.march.step = 0.3;
+                    scene.lighting.shading = Shading::Diffuse;
+                }),
+            ),
+            (
+                "bspline",
+                plain.with(|scene| scene.march.interpolation = Interpolation::Bspline),
+            ),
+            (
+                "maximum",
+                plain.with(|scene| scene.march.projection = RayProjection::Maximum),
+            ),
+            (
+                "bricks, light",
+                plain.with(|scene| {
+                    scene.storage.data_reduction = 1.5;
+                    scene.ambient_occlusion = Some(AmbientOcclusion {
+                        rays: 3,
+                        radius: 6.0,
+                        ..Default::default()
+                    });
+                }),
+            ),
+        ];
+        for (what, subject) in subjects {
+            let filtered = subject.with(|scene| scene.storage.packed_cells = false);
+            let (picture, packed) = first(&subject, &device);
+            let (expected, not_packed) = first(&filtered, &device);
+            assert!(packed && !not_packed, "{name}, {what}");
+            assert!(shown(&expected) > 100.0, "{name}, {what}");
+            let difference = largest_difference(&picture, &expected);
+            println!("{name}, {what}: {difference:.2e}");
+            // Light is kept in halves, of which the last bit may differ.
+            let bound = if what.ends_with("light") { 2e-3 } else { 2e-5 };
+            assert!(difference < bound, "{name}, {what}: {difference}");
+        }
+    }
+    assert_valid(&device);
+}
+
+#[test]
+fn corners_are_packed_where_they_are_read_and_fit() {
+    let device = device(|_| {});
+    let [(_, bytes), ..] = kinds();
+    let mut session = bytes.session(&device);
+    session.frame().unwrap();
+    // Four rows of four for three of three, and more at borders and for the driver's alignment.
+    let packed = session.stats().unwrap().memory.packed_cells_bytes as f64;
+    let voxels = SIZE.map(f64::from).iter().product::<f64>();
+    assert!((1.7..2.6).contains(&(packed / voxels)), "{packed} bytes");
+
+    let nearest = bytes.with(|scene| {
+        scene.march.interpolation = Interpolation::Nearest;
+        scene.march.classification = Some(umbravox::scene::Classification::Post);
+    });
+    assert!(!first(&nearest, &device).1, "nothing is interpolated");
+
+    // Room for the voxels, and for half of what packing takes.
+    let atlas = SIZE.map(|n| f64::from(n) + 2.0).iter().product::<f64>();
+    let scarce = bytes.with(|scene| scene.storage.memory_budget_mib = 1.9 * atlas / 1048576.0);
+    let (picture, packed) = first(&scarce, &device);
+    assert!(!packed, "no room");
+    let filtered = bytes.with(|scene| scene.storage.packed_cells = false);
+    assert!(picture == filtered.picture(&device));
+
+    let floats = waves(0.0, 255.0).map(|v| v as f32).collect();
+    let floats = subject(Voxels::F32(floats), 0.0, 255.0);
+    assert!(!first(&floats, &device).1, "of four bytes");
+    assert_valid(&device);
+}

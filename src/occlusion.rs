@@ -75,27 +75,27 @@ fn between(far: Option<[f64; 2]>, near: [f64; 2], here: [f64; 2], x: f64) -> f64
 /// The growth that settings ask for; `None`: samples in every part.
 ///
 /// Where they leave it open it is the largest of [`GROWTHS`] that keeps the light within [`RMS_ERROR`] of samples in every part, by
-/// a standard error at least, at some thousand voxels of the finest level, labels aside; `None` where none does.
+/// a standard error at least, at up to 16384 voxels of the finest level, labels aside; `None` where none does.
 pub fn growth(volume: &Volume, curve: &Curve, settings: &AmbientOcclusion) -> Option<f64> {
     match settings.sampling {
         RaySampling::Uniform => None,
-        RaySampling::Distance => settings.growth.or_else(|| {
-            let errors = Pilot::new(volume, curve, settings).squared_errors();
-            let chosen = GROWTHS.iter().zip(errors);
-            let mut chosen = chosen.filter(|(_, error)| error.at_most(RMS_ERROR.powi(2)));
-            chosen.next().map(|(&growth, _)| growth)
-        }),
+        RaySampling::Distance => settings
+            .growth
+            .or_else(|| Pilot::new(volume, curve, settings).growth()),
     }
 }
 
 /// Voxels to look at, at most.
-const VOXELS: usize = 2048;
-/// Samples of the field to take for that, about.
-const SAMPLES: usize = 1 << 20;
+const VOXELS: usize = 1 << 14;
+/// Fewest voxels that decide.
+const FEWEST: usize = 512;
+/// Samples of the field to take for that, at most, but for 16 voxels.
+const SAMPLES: usize = 1 << 23;
 /// Directions to look along, at most; with more, errors would only average out better.
 const DIRECTIONS: usize = 32;
-/// Voxels to try for each that shows something.
-const TRIES: usize = 32;
+/// Voxels of a round, with those that nothing shows, and rounds at most.
+const ROUND: usize = 2048;
+const ROUNDS: usize = 64;
 
 /// Mean and variance of values.
 #[derive(Clone, Copy)]
@@ -119,12 +119,12 @@ impl Estimate {
         })
     }
 
-    /// The mean and a standard error more are.
-    fn at_most(self, bound: f64) -> bool {
+    /// The mean, and by how much it may be off: a standard error.
+    fn mean(self) -> [f64; 2] {
         let count = self.count.max(1.0);
         let mean = self.sum / count;
         let variance = (self.squares / count - mean * mean).max(0.0);
-        mean + (variance / count).sqrt() <= bound
+        [mean, (variance / count).sqrt()]
     }
 }
 
@@ -217,22 +217,43 @@ impl<'a> Pilot<'a> {
         (0..self.parts).map_while(sample).collect()
     }
 
-    /// Squared errors of the light by each growth.
-    fn squared_errors(&self) -> [Estimate; GROWTHS.len()] {
+    /// The largest growth within the error. Looks at more and more voxels until that is clear.
+    fn growth(&self) -> Option<f64> {
         let samples_a_voxel = self.directions.len() * self.parts as usize;
-        let voxels = (SAMPLES / samples_a_voxel.max(1)).clamp(16, VOXELS);
-        let shown: Vec<UVec3> = (0..voxels * TRIES)
-            .into_par_iter()
-            .map(|n| spread(n, self.volume.size()))
-            .filter(|&voxel| self.shows_something(voxel))
-            .collect();
+        let most = (SAMPLES / samples_a_voxel.max(1)).clamp(16, VOXELS);
+        let bound = RMS_ERROR.powi(2);
         // In order, so that sums do not depend on threads.
-        let errors: Vec<[f64; GROWTHS.len()]> = shown
-            .par_iter()
-            .take(voxels)
-            .map(|&voxel| self.squared_errors_at(voxel))
-            .collect();
-        std::array::from_fn(|growth| Estimate::of(errors.iter().map(|error| error[growth])))
+        let mut errors: Vec<[f64; GROWTHS.len()]> = Vec::new();
+        for round in 0..ROUNDS {
+            let tried = (round * ROUND..(round + 1) * ROUND).into_par_iter();
+            let shown: Vec<UVec3> = tried
+                .map(|n| spread(n, self.volume.size()))
+                .filter(|&voxel| self.shows_something(voxel))
+                .collect();
+            // No more than that: rays may be long.
+            let wanted = shown.len().min(most - errors.len());
+            errors.par_extend(
+                shown[..wanted]
+                    .par_iter()
+                    .map(|&voxel| self.squared_errors_at(voxel)),
+            );
+            let is_last = errors.len() >= most || round + 1 == ROUNDS;
+            if errors.len() < FEWEST && !is_last {
+                continue;
+            }
+            let estimates = (0..GROWTHS.len())
+                .map(|growth| Estimate::of(errors.iter().map(|error| error[growth])).mean());
+            // Those that are surely too large are out.
+            let mut left = GROWTHS.iter().zip(estimates);
+            let clear = |mean: f64, off: f64| mean + off <= bound;
+            let next = left
+                .find(|(_, [mean, off])| clear(*mean, *off) || (!is_last && mean - off <= bound));
+            match next {
+                Some((_, [mean, off])) if !clear(mean, off) => {}
+                decided => return decided.map(|(&growth, _)| growth),
+            }
+        }
+        None
     }
 
     /// Squared error of the light at a voxel by each growth, the mean of the channels.

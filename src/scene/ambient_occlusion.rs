@@ -21,7 +21,7 @@ pub struct AmbientOcclusion {
     /// Where on its parts of length `step` a ray takes samples. Default uniform.
     pub sampling: RaySampling,
     /// Only with `sampling` `distance`: by how many parts each distance between samples is longer than the one before, 0.05 to 1.
-    /// `null`: the largest of 1, 0.6, 0.4, 0.25 and 0.15 whose light is within 1/255 RMS of uniform sampling's, as estimated on some
+    /// `null`: the largest of 1, 0.6, 0.4 and 0.15 whose light is within 1/255 RMS of uniform sampling's, as estimated on some
     /// thousand voxels; uniform where none is.
     pub growth: Option<f64>,
     /// Contrast: exponent on the transparency of a sample, >= 0. Default 1.

@@ -94,6 +94,34 @@ pub(crate) struct Light {
     pub(crate) bare_samples: u64,
     /// What equation 2 asks for: every voxel, every direction, every sample of a ray.
     pub(crate) brute_force_samples: u64,
+    /// The same light by samples that lie farther apart the farther out they are.
+    #[serde(default)]
+    pub(crate) growing: Option<Growing>,
+}
+
+/// Figures of `ambient_occlusion.sampling` `distance`, beside those of uniform sampling, direction by direction in turn.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct Growing {
+    pub(crate) rays: u32,
+    /// Chosen by the renderer; none: uniform.
+    pub(crate) growth: Option<f64>,
+    /// Of one direction, uniform.
+    pub(crate) uniform_ms: Spread,
+    /// Of one direction, growing.
+    pub(crate) trace_ms: Spread,
+    /// Of the field, in all directions.
+    pub(crate) samples: u64,
+    /// What equation 2 asks for.
+    pub(crate) brute_force_samples: u64,
+    /// Of the light, of 1, beside uniform sampling.
+    pub(crate) rms_error: f64,
+    pub(crate) largest_error: f64,
+}
+
+impl Growing {
+    pub(crate) fn fewer(&self) -> f64 {
+        self.brute_force_samples as f64 / self.samples as f64
+    }
 }
 
 impl Light {
@@ -103,6 +131,11 @@ impl Light {
 
     pub(crate) fn limit(&self) -> f64 {
         self.bare_samples as f64 / (self.bare_ms.median * 1e-3)
+    }
+
+    /// How many times fewer samples uniform sampling takes than equation 2 asks for.
+    pub(crate) fn fewer(&self) -> f64 {
+        self.brute_force_samples as f64 / self.samples as f64
     }
 }
 

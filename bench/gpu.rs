@@ -19,7 +19,6 @@ mod tables;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Arc;
 
 use clap::{Parser, value_parser};
 use fields::{FIELDS, Field};
@@ -164,8 +163,15 @@ fn measure_field(headless: &Headless, plan: &Plan, field: &Field, run: &mut Run)
         preintegrated: false,
         rays: plan.rays,
     };
-    let light = measure::light(headless, field, &Arc::clone(&volume), &lit)?;
-    run.lights.extend(light);
+    let Some(mut light) = measure::light(headless, field, &volume, &lit)? else {
+        return Ok(());
+    };
+    let all = Case {
+        rays: plan.all_rays,
+        ..lit
+    };
+    light.growing = measure::growing(headless, field, &volume, &all)?;
+    run.lights.push(light);
     Ok(())
 }
 

@@ -6,13 +6,13 @@ use umbravox::Result;
 use umbravox::headless::{FrameTime, Headless, Session};
 use umbravox::renderer::Settings;
 use umbravox::scene::{
-    AmbientOcclusion, Camera, Classification, Image, Lighting, March, Scene, Shading, Storage,
-    VolumeSource,
+    AmbientOcclusion, Camera, Classification, Image, Lighting, March, RaySampling, Scene, Shading,
+    Storage, VolumeSource,
 };
 use umbravox::volume::Volume;
 
 use crate::fields::Field;
-use crate::figures::{Case, Light, Picture, Spread};
+use crate::figures::{Case, Growing, Light, Picture, Spread};
 
 /// Bytes of a pixel: the picture, what the headless renderer measures beside it, and the buffer that is read back through.
 const PIXEL_BYTES: u64 = 3 * 16;
@@ -149,6 +149,64 @@ pub(crate) fn light(
         samples,
         bare_samples: stats.voxels * parts,
         brute_force_samples: volume.voxels().len() as u64 * u64::from(case.rays) * parts,
+        growing: None,
+    }))
+}
+
+/// Light of `case.rays` directions by samples farther apart with distance, and uniform sampling, in turn; `None` where samples
+/// cannot be counted.
+///
+/// # Errors
+/// As [`picture`].
+pub(crate) fn growing(
+    headless: &Headless,
+    field: &Field,
+    volume: &Arc<Volume>,
+    case: &Case,
+) -> Result<Option<Growing>> {
+    let clock = Clock::of(headless);
+    let mut uniform = headless.load(Arc::clone(volume), &scene(field, case))?;
+    let mut changed = scene(field, case);
+    if let Some(ao) = &mut changed.ambient_occlusion {
+        ao.sampling = RaySampling::Distance;
+    }
+    let mut growing = headless.load(Arc::clone(volume), &changed)?;
+    let mut times = [Vec::new(), Vec::new()];
+    for direction in 0..case.rays {
+        for (session, times) in [&mut uniform, &mut growing].into_iter().zip(&mut times) {
+            let time = session.timed_light()?;
+            let time = time.map(|time| clock.device_ms(session, "light", time));
+            // The first is the pipeline's.
+            times.extend(time.filter(|_| direction > 0));
+        }
+    }
+    let (expected, actual) = (uniform.light_volume()?, growing.light_volume()?);
+    let lit = expected.rgba.iter().zip(&actual.rgba);
+    let errors = lit
+        .filter(|(voxel, _)| voxel[3] > 0.0)
+        .flat_map(|(a, b)| [0, 1, 2].map(|channel| f64::from(a[channel] - b[channel])));
+    let (mut count, mut squares, mut largest) = (0.0, 0.0, 0f64);
+    for error in errors {
+        count += 1.0;
+        squares += error * error;
+        largest = largest.max(error.abs());
+    }
+    let growth = growing.stats()?.lao.and_then(|light| light.growth);
+    let Some(samples) = growing.count_light_samples()? else {
+        return Ok(None);
+    };
+    let ao = growing.settings().ambient_occlusion.as_ref();
+    let parts = ao.map_or(0, |ao| u64::from(ao.samples_per_ray()));
+    let [uniform_ms, trace_ms] = times.map(Spread::of);
+    Ok(Some(Growing {
+        rays: case.rays,
+        growth,
+        uniform_ms,
+        trace_ms,
+        samples,
+        brute_force_samples: volume.voxels().len() as u64 * u64::from(case.rays) * parts,
+        rms_error: (squares / f64::max(count, 1.0)).sqrt(),
+        largest_error: largest,
     }))
 }
 

@@ -1,6 +1,7 @@
 //! What is measured, at which size.
 
 use clap::ValueEnum;
+use umbravox::scene::AmbientOcclusion;
 
 use crate::fields::Field;
 use crate::figures::Case;
@@ -33,6 +34,8 @@ pub(crate) struct Plan {
     pub(crate) repeats: u32,
     /// Directions of light.
     pub(crate) rays: u32,
+    /// The same where its errors are measured, which more directions average out.
+    pub(crate) all_rays: u32,
 }
 
 impl Plan {
@@ -50,6 +53,11 @@ impl Plan {
             light_voxels: if set == Set::Smoke { 1 << 16 } else { 1 << 24 },
             repeats,
             rays: 2,
+            all_rays: match set {
+                Set::Smoke => 2,
+                Set::Short => 8,
+                Set::Record => AmbientOcclusion::default().rays,
+            },
         }
     }
 

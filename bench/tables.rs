@@ -1,6 +1,6 @@
 //! The figures as tables: a heading, column titles and rows, for Markdown and HTML alike.
 
-use crate::figures::{Picture, Run, Spread};
+use crate::figures::{Light, Picture, Run, Spread};
 use crate::goals::{self, Goal};
 use crate::peers::{FIXED_POINT, GPU, OURS, Peers, Row};
 
@@ -56,6 +56,7 @@ pub(crate) fn of(run: &Run, peers: Option<&Peers>) -> Vec<Table> {
     let mut tables = vec![goals(&goals::of(run, peers)), pictures(run), counters(run)];
     if !run.lights.is_empty() {
         tables.push(lights(run));
+        tables.extend(growing(run));
     }
     if !run.effects.reductions.is_empty() {
         tables.push(reductions(run));
@@ -147,7 +148,7 @@ fn counters(run: &Run) -> Table {
 fn lights(run: &Run) -> Table {
     let rows = run.lights.iter().map(|l| {
         vec![
-            format!("{} {}", l.field, l.size.map(|n| n.to_string()).join(" × ")),
+            name_and_size(l),
             spread(&l.trace_ms),
             spread(&l.bare_ms),
             l.voxels.to_string(),
@@ -155,7 +156,7 @@ fn lights(run: &Run) -> Table {
             format!("{:.1}", l.rate() * 1e-6),
             format!("{:.1}", l.limit() * 1e-6),
             format!("{:.2}", l.rate() / l.limit()),
-            format!("{:.2}", l.brute_force_samples as f64 / l.samples as f64),
+            format!("{:.2}", l.fewer()),
         ]
     });
     Table {
@@ -176,6 +177,56 @@ fn lights(run: &Run) -> Table {
         ],
         rows: rows.collect(),
     }
+}
+
+fn growing(run: &Run) -> Option<Table> {
+    let measured = run
+        .lights
+        .iter()
+        .filter_map(|l| Some((l, l.growing.as_ref()?)));
+    let rows: Vec<Vec<String>> = measured
+        .map(|(l, g)| {
+            vec![
+                name_and_size(l),
+                g.rays.to_string(),
+                g.growth.map_or("none".into(), |growth| growth.to_string()),
+                spread(&g.trace_ms),
+                spread(&g.uniform_ms),
+                format!("{:.2}", g.trace_ms.median / g.uniform_ms.median),
+                (g.samples / u64::from(g.rays)).to_string(),
+                format!("{:.2}", g.fewer()),
+                format!("{:.2}", 255.0 * g.rms_error),
+                format!("{:.1}", 255.0 * g.largest_error),
+            ]
+        })
+        .collect();
+    (!rows.is_empty()).then(|| Table {
+        title: "Local ambient occlusion, distances growing",
+        note: "The same rays with `ambient_occlusion.sampling` `distance`, each direction in turn with uniform sampling. The renderer \
+               chooses the growth. Errors: of the light of all directions beside uniform sampling's, in 1/255."
+            .into(),
+        columns: &[
+            "field",
+            "directions",
+            "growth",
+            "ms a direction",
+            "uniform ms",
+            "of uniform",
+            "samples",
+            "fewer",
+            "RMS",
+            "largest",
+        ],
+        rows,
+    })
+}
+
+fn name_and_size(light: &Light) -> String {
+    format!(
+        "{} {}",
+        light.field,
+        light.size.map(|n| n.to_string()).join(" × ")
+    )
 }
 
 fn reductions(run: &Run) -> Table {

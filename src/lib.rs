@@ -9,6 +9,7 @@ pub mod field;
 pub mod gpu;
 pub mod headless;
 pub mod io;
+pub mod occlusion;
 #[cfg(feature = "image-io")]
 pub mod output;
 mod pass;

@@ -18,8 +18,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use umbravox::headless::{Headless, Options};
 use umbravox::scene::{
-    AmbientOcclusion, Classification, ControlPoint, Image, March, Scene, TransferFunction,
-    VolumeSource,
+    AmbientOcclusion, Classification, ControlPoint, Image, March, RaySampling, Scene,
+    TransferFunction, VolumeSource,
 };
 use umbravox::volume::Volume;
 
@@ -39,6 +39,8 @@ struct Counters {
     samples_preintegrated: u64,
     /// Of 4 directions of 15 samples.
     light_samples: u64,
+    /// The same, each distance between samples a part of a ray longer than the one before.
+    growing_light_samples: u64,
     /// Voxels, index and tables.
     resident_bytes: u64,
     uploaded_bytes: u64,
@@ -86,19 +88,25 @@ fn count(headless: &Headless, volume: Volume, values: [f64; 2], opacities: [f64;
         session.stats().expect("statistics")
     };
     let post = stats(Classification::Post);
-    let mut lit = scene(opacities, values, Classification::Post);
-    lit.ambient_occlusion = Some(AmbientOcclusion {
-        rays: 4,
-        ..Default::default()
-    });
-    let mut session = headless.load(volume.clone(), &lit).expect("a session");
-    let light_samples = session.count_light_samples().expect("a count");
+    let light_samples = |sampling, growth| {
+        let mut lit = scene(opacities, values, Classification::Post);
+        lit.ambient_occlusion = Some(AmbientOcclusion {
+            rays: 4,
+            sampling,
+            growth,
+            ..Default::default()
+        });
+        let mut session = headless.load(volume.clone(), &lit).expect("a session");
+        let samples = session.count_light_samples().expect("a count");
+        samples.expect("every brick at the finest level")
+    };
     // The picture and what is measured beside it: 16 bytes a pixel each.
     let pictures = 2 * 16 * u64::from(IMAGE).pow(2);
     Counters {
         samples_post: post.samples.taken,
         samples_preintegrated: stats(Classification::Preintegrated).samples.taken,
-        light_samples: light_samples.expect("every brick at the finest level"),
+        light_samples: light_samples(RaySampling::Uniform, None),
+        growing_light_samples: light_samples(RaySampling::Distance, Some(1.0)),
         // Packed corners are there on some drivers alone.
         resident_bytes: post.memory.device_bytes - post.memory.packed_cells_bytes - pictures,
         uploaded_bytes: post.memory.uploaded_bytes,
@@ -124,6 +132,12 @@ fn complaints(name: &str, found: &Counters, expected: &Counters) -> Vec<String> 
             "light_samples",
             found.light_samples,
             expected.light_samples,
+            SAMPLES_TOLERANCE,
+        ),
+        (
+            "growing_light_samples",
+            found.growing_light_samples,
+            expected.growing_light_samples,
             SAMPLES_TOLERANCE,
         ),
         (
@@ -199,6 +213,7 @@ fn regressions_are_noticed() {
         samples_post: 100_000,
         samples_preintegrated: 100_000,
         light_samples: 100_000,
+        growing_light_samples: 100_000,
         resident_bytes: 100_000,
         uploaded_bytes: 100_000,
     };

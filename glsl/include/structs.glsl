@@ -89,7 +89,7 @@ struct LightPush {
     uint ray;            // rays already in the mean
     uint first;          // first entry of the work list
     uint count;          // entries of this dispatch
-    uint pad0;
+    float growth;        // of the distance between samples, in parts; 0: none
 };
 
 // Part of a work list.

@@ -81,6 +81,10 @@ pub struct LightStats {
     pub ms_per_ray: f64,
     /// Samples of the light volume that a direction is traced for, in whole groups of 4^3.
     pub voxels: u64,
+    /// Of `ambient_occlusion.sampling` `distance`: by how many parts of a ray each distance between samples is longer than the
+    /// one before. `None`: samples in every part.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub growth: Option<f64>,
 }
 
 /// Samples of the field.
@@ -208,6 +212,7 @@ pub(super) fn of(
             rays: traced,
             ms_per_ray: times.light_ms / f64::from(times.light_directions.max(1)),
             voxels: loaded.visibility().light.samples(),
+            growth: loaded.light_growth(),
         }),
         samples: SampleStats {
             taken: samples,

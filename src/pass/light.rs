@@ -3,7 +3,7 @@
 //! Reads   atlas, index, skip, transfer, labels (SampledRead), brick table and work lists (storage buffers the host wrote)
 //! Writes  the light volume (Storage: a running mean, so each direction reads what the last one wrote)
 //! Grid    one workgroup for 4x4x4 samples of a brick; a second pass for samples that bricks share
-//! Method  Hernell, Ljung, Ynnerman 2007, eq. 1-5
+//! Method  Hernell, Ljung, Ynnerman 2007, eq. 1-5; where distances grow, parts between samples are interpolated
 //! Limits  a dispatch takes at most `GROUPS_A_DISPATCH` groups
 //! Twin    src/reference/light.rs
 
@@ -34,6 +34,8 @@ pub(crate) struct LightResources<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TraceVariant {
     pub(crate) reconstruction: Reconstruction,
+    /// Distances between samples grow.
+    pub(crate) grows: bool,
     /// Add up samples of the field instead of light.
     pub(crate) count: bool,
 }
@@ -60,6 +62,7 @@ impl LightPass {
         push: LightPush,
     ) -> Result<()> {
         let mut constants = variant.reconstruction.constants();
+        constants.push((SPEC_GROWTH, variant.grows.into()));
         constants.push((SPEC_COUNT, variant.count.into()));
         let pipeline = self
             .variants

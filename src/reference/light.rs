@@ -8,7 +8,8 @@ use rayon::prelude::*;
 
 use super::{Field, opacity_over};
 use crate::field::{contains, trilinear};
-use crate::scene::{AmbientOcclusion, Curve, Interpolation, Labels};
+use crate::occlusion;
+use crate::scene::{AmbientOcclusion, Curve, Interpolation, Labels, RaySampling};
 use crate::volume::Volume;
 
 /// Light that reaches a point.
@@ -62,7 +63,8 @@ impl LightGrid {
 
 /// Light at every voxel, from the directions and weights of the settings.
 ///
-/// The field is sampled trilinearly whatever the march does. What `labels` hide neither absorbs nor emits.
+/// The field is sampled trilinearly whatever the march does. What `labels` hide neither absorbs nor emits. Where the distance between
+/// samples grows by itself, the growth is found for all voxels at once.
 pub fn light(
     volume: &Volume,
     curve: &Curve,
@@ -70,9 +72,20 @@ pub fn light(
     labels: Option<&Labels>,
 ) -> LightGrid {
     let directions = settings.weighted_directions();
+    let settings = &with_growth(volume, curve, settings);
     LightGrid::from_fn(volume.size(), |voxel| {
         light_at(volume, curve, settings, labels, voxel, &directions)
     })
+}
+
+/// Settings that leave no growth open.
+fn with_growth(volume: &Volume, curve: &Curve, settings: &AmbientOcclusion) -> AmbientOcclusion {
+    let growth = occlusion::growth(volume, curve, settings);
+    AmbientOcclusion {
+        sampling: growth.map_or(RaySampling::Uniform, |_| RaySampling::Distance),
+        growth,
+        ..settings.clone()
+    }
 }
 
 /// Light at one voxel from any unit directions (towards the light, world space) and their weights:
@@ -86,6 +99,7 @@ pub fn light_at(
     directions: &[([f64; 3], f64)],
 ) -> Light {
     let sphere = Sphere {
+        growth: occlusion::growth(volume, curve, settings),
         field: Field::new(volume),
         curve,
         settings,
@@ -111,6 +125,8 @@ struct Sphere<'a> {
     field: Field<'a>,
     curve: &'a Curve,
     settings: &'a AmbientOcclusion,
+    /// Of the distance between samples, where it grows.
+    growth: Option<f64>,
     /// With their index position from the volume's.
     labels: Option<(&'a Labels, DAffine3)>,
     center_ix: DVec3,
@@ -125,37 +141,52 @@ impl Sphere<'_> {
         })
     }
 
-    /// Light from one direction, `I_k = sum_m (1 + c_E,m)/M prod_{i<m} (1 - alpha'_i)` (eq. 2 and 4), sampled
-    /// at the middles of `M` equal parts of `[offset, radius]`, each of length `d` and opacity
-    /// `alpha' = 1 - (1 - alpha)^(gamma d/u)` (eq. 5). Outside the field nothing absorbs or emits.
+    /// Light from one direction, `I_k = sum_m (1 + c_E,m)/M prod_{i<m} (1 - alpha'_i)` (eq. 2 and 4), over `M` equal parts of
+    /// `[offset, radius]`, each of length `d` and opacity `alpha' = 1 - (1 - alpha)^(gamma d/u)` (eq. 5). They are sampled at
+    /// their middles: all of them, or those that [`occlusion::parts_of_ray`] asks for. Outside the field nothing absorbs or emits.
     fn incident_light(&self, direction_ws: DVec3) -> Light {
         let settings = self.settings;
-        let samples = settings.samples_per_ray();
+        let parts = settings.samples_per_ray();
         let offset = settings.offset * self.mm_per_voxel;
-        let part = (settings.radius * self.mm_per_voxel - offset) / f64::from(samples);
+        let part = (settings.radius * self.mm_per_voxel - offset) / f64::from(parts);
         let exponent = settings.gamma * part / self.curve.unit_distance;
         let direction_ix = self.field.ix_from_world().transform_vector3(direction_ws);
-        let (mut rgb, mut grey) = (DVec3::ZERO, 0.0);
-        let mut transparency = 1.0;
-        for m in 0..samples {
+        let middle_ix = |m: u32| {
             let distance = offset + (f64::from(m) + 0.5) * part;
-            let ix = self.center_ix + direction_ix * distance;
+            self.center_ix + direction_ix * distance
+        };
+        let sample = |m: u32| {
+            let ix = middle_ix(m);
             let optical = self
                 .field
                 .sample(ix, Interpolation::Linear)
                 .filter(|_| self.is_shown(ix))
                 .map(|value| self.curve.evaluate(value))
                 .unwrap_or_default();
+            let [r, g, b] = optical.emission;
+            [opacity_over(optical.opacity, exponent), r, g, b]
+        };
+        let ray: Vec<[f64; 4]> = match self.growth {
+            None => (0..parts).map(sample).collect(),
+            Some(growth) => {
+                let inside = |m: &u32| self.field.contains(middle_ix(*m));
+                let inside = (0..parts).take_while(inside).count() as u32;
+                occlusion::parts_of_ray(growth, parts, inside, sample)
+            }
+        };
+        let (mut rgb, mut grey) = (DVec3::ZERO, 0.0);
+        let mut transparency = 1.0;
+        for [opacity, r, g, b] in ray {
             let emission = if settings.emission {
-                DVec3::from_array(optical.emission)
+                DVec3::new(r, g, b)
             } else {
                 DVec3::ZERO
             };
             rgb += transparency * (1.0 + emission);
             grey += transparency;
-            transparency *= 1.0 - opacity_over(optical.opacity, exponent);
+            transparency *= 1.0 - opacity;
         }
-        let count = f64::from(samples);
+        let count = f64::from(parts);
         Light {
             rgb: (rgb / count).to_array(),
             grey: grey / count,

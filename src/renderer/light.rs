@@ -30,21 +30,25 @@ pub(super) struct LightProgress {
     traced: u32,
     /// Bricks agree on the samples that they share.
     joined: bool,
+    growth: Option<f64>,
     template: LightPush,
     ix_from_world: DMat3,
 }
 
 impl LightProgress {
+    /// `growth`: of the distance between samples, where it grows.
     pub(super) fn new(
         ao: &AmbientOcclusion,
         curve: &Curve,
         ix_from_world: DMat3,
         voxel_mm: f64,
+        growth: Option<f64>,
     ) -> Self {
         Self {
             directions: ao.weighted_directions(),
             traced: 0,
             joined: true,
+            growth,
             template: LightPush {
                 direction_ix: [0.0; 3],
                 offset_mm: (ao.offset * voxel_mm) as f32,
@@ -55,7 +59,7 @@ impl LightProgress {
                 ray: 0,
                 first: 0,
                 count: 0,
-                pad0: 0,
+                growth: growth.unwrap_or(0.0) as f32,
             },
             ix_from_world,
         }
@@ -67,6 +71,15 @@ impl LightProgress {
 
     pub(super) fn traced(&self) -> u32 {
         self.traced
+    }
+
+    pub(super) fn growth(&self) -> Option<f64> {
+        self.growth
+    }
+
+    /// Back to no direction.
+    pub(super) fn restart(&mut self) {
+        self.traced = 0;
     }
 
     /// The next direction, `None` when all were traced.
@@ -119,6 +132,7 @@ impl Loaded {
         let Some(push) = self.light.as_mut().and_then(LightProgress::next) else {
             return Ok(());
         };
+        let grows = self.light_growth().is_some();
         let Self {
             images,
             labels,
@@ -142,6 +156,7 @@ impl Loaded {
         }
         let variant = TraceVariant {
             reconstruction,
+            grows,
             count: workload == LightWorkload::Count,
         };
         recorder.pass(pass_name::LIGHT, |recorder| {

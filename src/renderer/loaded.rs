@@ -17,6 +17,7 @@ use crate::atlas::{
 };
 use crate::error::Result;
 use crate::gpu::Context;
+use crate::occlusion;
 use crate::pass::bare::BarePass;
 use crate::pass::bare_light::BareLightPass;
 use crate::pass::gradients::GradientsPass;
@@ -293,7 +294,12 @@ impl Loaded {
     }
 
     pub(super) fn restart_light(&mut self) {
-        self.light = light_progress(&self.store, &self.settings);
+        self.light.iter_mut().for_each(LightProgress::restart);
+    }
+
+    /// By how many parts of a ray of light each distance between samples is longer than the one before; `None`: not at all.
+    pub(crate) fn light_growth(&self) -> Option<f64> {
+        self.light.as_ref().and_then(LightProgress::growth)
     }
 
     /// Directions traced, and all of them; of scattered light the iterations.
@@ -464,6 +470,7 @@ fn light_progress(store: &Store, settings: &Settings) -> Option<LightProgress> {
             &settings.curve,
             store.volume.world_from_ix().matrix3.inverse(),
             store.volume.min_spacing(),
+            occlusion::growth(&store.volume, &settings.curve, ao),
         )
     })
 }

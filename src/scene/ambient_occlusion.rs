@@ -18,6 +18,12 @@ pub struct AmbientOcclusion {
     pub offset: f64,
     /// Upper bound of the sample distance, > 0: `ceil((radius - offset) / step)` samples a ray. Default 1.
     pub step: f64,
+    /// Where on its parts of length `step` a ray takes samples. Default uniform.
+    pub sampling: RaySampling,
+    /// Only with `sampling` `distance`: by how many parts each distance between samples is longer than the one before, 0.05 to 1.
+    /// `null`: the largest of 1, 0.6, 0.4 and 0.15 whose light is within 1/255 RMS of uniform sampling's, as estimated on some
+    /// thousand voxels; uniform where none is.
+    pub growth: Option<f64>,
     /// Contrast: exponent on the transparency of a sample, >= 0. Default 1.
     pub gamma: f64,
     /// Light added everywhere, >= 0. Default 0.
@@ -33,6 +39,17 @@ pub struct AmbientOcclusion {
     pub emission: bool,
 }
 
+/// Where a ray of local ambient occlusion takes samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum RaySampling {
+    /// One in the middle of each part of length `step`: equation 2.
+    #[default]
+    Uniform,
+    /// Farther apart with distance from the voxel; parts between are interpolated. Faster, and not quite the same light.
+    Distance,
+}
+
 impl Default for AmbientOcclusion {
     fn default() -> Self {
         Self {
@@ -40,6 +57,8 @@ impl Default for AmbientOcclusion {
             radius: 16.0,
             offset: 1.0,
             step: 1.0,
+            sampling: RaySampling::Uniform,
+            growth: None,
             gamma: 1.0,
             bias: 0.0,
             directions: DirectionSet::Fibonacci,
@@ -54,7 +73,7 @@ impl Default for AmbientOcclusion {
 const ROUNDING: f64 = 1e-6;
 
 impl AmbientOcclusion {
-    /// Samples on a ray of the finest level, `M`.
+    /// Parts of a ray of the finest level, `M`; uniform sampling takes one sample in each.
     pub fn samples_per_ray(&self) -> u32 {
         // Lengths in decimals are rarely a whole number of steps in binary: 1.2 / 0.4 is above 3.
         (((self.radius - self.offset) / self.step) - ROUNDING)

@@ -31,7 +31,7 @@ mod transfer_function;
 mod validate;
 mod volume_color;
 
-pub use ambient_occlusion::AmbientOcclusion;
+pub use ambient_occlusion::{AmbientOcclusion, RaySampling};
 pub use camera::{Camera, Framed, Projection, View};
 pub use color::{ColorManagement, linear_from_srgb, srgb_from_linear};
 pub use content::{Guess, Modality};

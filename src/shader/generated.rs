@@ -424,3 +424,5 @@ pub const SPEC_DATA_COLOR: u32 = 28;
 pub const SPEC_STORED_GRADIENTS: u32 = 29;
 
 pub const SPEC_PACKED_CELLS: u32 = 30;
+
+pub const SPEC_GROWTH: u32 = 31;

@@ -172,8 +172,8 @@ gpu_struct! {
         pub first: u32,
         /// Entries of this dispatch.
         pub count: u32,
-        /// Unused.
-        pub pad0: u32,
+        /// By how many parts each distance between samples is longer than the one before; 0: not at all.
+        pub growth: f32,
     }
 }
 

@@ -16,10 +16,11 @@ const MODULES: &[(&str, &[&str])] = &[
     ("shader", &[]),
     ("io", &["error", "volume", "scene"]),
     ("field", &["volume", "scene"]),
+    ("occlusion", &["volume", "scene", "field"]),
     ("analytic", &[]),
     (
         "reference",
-        &["error", "volume", "scene", "field", "analytic"],
+        &["error", "volume", "scene", "field", "occlusion", "analytic"],
     ),
     ("gpu", &["error", "shader"]),
     ("atlas", &["error", "volume", "scene", "shader", "gpu"]),
@@ -29,7 +30,16 @@ const MODULES: &[(&str, &[&str])] = &[
     ),
     (
         "renderer",
-        &["error", "volume", "scene", "shader", "gpu", "atlas", "pass"],
+        &[
+            "error",
+            "volume",
+            "scene",
+            "occlusion",
+            "shader",
+            "gpu",
+            "atlas",
+            "pass",
+        ],
     ),
     (
         "embed",

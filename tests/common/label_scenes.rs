@@ -194,7 +194,7 @@ fn projections() -> Vec<TestScene> {
 
 /// What is hidden casts no shadow and does not shine. Light takes millions of samples, some of them next to a border between
 /// labels: this one runs through empty space.
-fn in_ambient_light() -> Vec<TestScene> {
+pub(super) fn in_ambient_light() -> Vec<TestScene> {
     let disc = |p: DVec3, x: f64| {
         let r = (p - DVec3::new(x, 0.5, 0.5)) / DVec3::new(0.08, 0.15, 0.15);
         (-0.5 * r.length_squared()).exp()

@@ -301,7 +301,7 @@ pub(super) fn small_sphere(rays: u32) -> AmbientOcclusion {
 }
 
 /// Local ambient occlusion, alone and with everything else.
-fn ambient_light() -> Vec<TestScene> {
+pub(super) fn ambient_light() -> Vec<TestScene> {
     let plain = Rescale::default();
     let mut scenes = Vec::new();
 

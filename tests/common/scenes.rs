@@ -16,6 +16,7 @@ mod classification_scenes;
 mod color_scenes;
 mod fields;
 mod geometry_scenes;
+mod growing_scenes;
 mod label_scenes;
 mod optics_scenes;
 mod projection_scenes;
@@ -39,6 +40,7 @@ pub(crate) fn all() -> Vec<TestScene> {
     scenes.extend(projection_scenes::scenes());
     scenes.extend(label_scenes::scenes());
     scenes.extend(color_scenes::scenes());
+    scenes.extend(growing_scenes::scenes());
     scenes
 }
 

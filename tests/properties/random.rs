@@ -3,7 +3,7 @@
 use glam::DVec3;
 use umbravox::scene::{
     AmbientOcclusion, Camera, Classification, ControlPoint, Gradient, Interpolation, Isosurface,
-    RayProjection, Shading,
+    RayProjection, RaySampling, Shading,
 };
 use umbravox::volume::{Rescale, Volume, VoxelType};
 
@@ -177,7 +177,14 @@ pub(crate) fn subject(seed: u64) -> Subject {
         scene.storage.data_reduction = random.between(1.5, 20.0);
     }
     if random.chance(0.4) {
+        let grows = random.chance(0.5);
         scene.ambient_occlusion = Some(AmbientOcclusion {
+            sampling: if grows {
+                RaySampling::Distance
+            } else {
+                RaySampling::Uniform
+            },
+            growth: grows.then(|| random.pick(&[0.05, 0.3, 0.6, 1.0])),
             rays: random.pick(&[1, 2, 3]),
             radius: random.between(2.0, 12.0),
             offset: random.pick(&[0.0, 1.0]),

@@ -217,6 +217,18 @@ fn ranges() {
             "ambient_occlusion.step: 0 is not valid; give a number > 0 (voxels)",
         ),
         (
+            json!({ "ambient_occlusion": { "sampling": "distance", "growth": 2 } }),
+            "ambient_occlusion.growth: 2 is not valid; give a number from 0.05 to 1 (parts of a ray), or null",
+        ),
+        (
+            json!({ "ambient_occlusion": { "growth": 0.5 } }),
+            "ambient_occlusion.growth: distances do not grow in uniform sampling; give null, or \"distance\" as ambient_occlusion.sampling",
+        ),
+        (
+            json!({ "ambient_occlusion": { "sampling": "jittered" } }),
+            "ambient_occlusion.sampling: \"jittered\" is not available; this version has \"uniform\", \"distance\"",
+        ),
+        (
             json!({ "ambient_occlusion": { "gamma": -1 } }),
             "ambient_occlusion.gamma: -1 is not valid; give a number >= 0",
         ),

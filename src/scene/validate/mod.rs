@@ -4,14 +4,15 @@ mod lighting;
 mod march;
 
 use std::fmt::Debug;
+use std::ops::RangeInclusive;
 
 use lighting::check_lighting;
 pub(crate) use lighting::check_together;
 use march::check_march;
 
 use super::{
-    AmbientOcclusion, Image, Lighting, March, RawDescription, Scene, Storage, TransferFunction,
-    VolumeColor, check_data_color,
+    AmbientOcclusion, Image, Lighting, March, RawDescription, RaySampling, Scene, Storage,
+    TransferFunction, VolumeColor, check_data_color,
 };
 use crate::error::{Error, Result};
 
@@ -25,6 +26,8 @@ pub const MIN_STEP: f64 = 0.001;
 pub const MAX_RAYS: u32 = 65_536;
 /// Most samples on one ambient occlusion ray.
 pub const MAX_SAMPLES_PER_RAY: u32 = 65_536;
+/// How much longer each distance between samples on an ambient occlusion ray may be than the one before, parts.
+const GROWTHS: RangeInclusive<f64> = 0.05..=1.0;
 /// Most isosurfaces of a picture.
 pub const MAX_ISOSURFACES: usize = 8;
 /// Largest emission of a scene file, display value. Decoded it is 16320: half floats, which hold the light, end at 65504.
@@ -215,6 +218,24 @@ fn check_occlusion(ao: &AmbientOcclusion) -> Result<()> {
             (ao.radius - ao.offset) / f64::from(MAX_SAMPLES_PER_RAY)
         ),
     )?;
+    if let Some(growth) = ao.growth {
+        require(
+            GROWTHS.contains(&growth),
+            &at("growth"),
+            Number(growth),
+            &format!(
+                "a number from {} to {} (parts of a ray), or null",
+                GROWTHS.start(),
+                GROWTHS.end()
+            ),
+        )?;
+        if ao.sampling == RaySampling::Uniform {
+            return Err(Error::invalid(
+                at("growth"),
+                "distances do not grow in uniform sampling; give null, or \"distance\" as ambient_occlusion.sampling",
+            ));
+        }
+    }
     require(
         not_negative(ao.gamma),
         &at("gamma"),

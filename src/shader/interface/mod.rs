@@ -376,6 +376,7 @@ pub const LIGHT_TRACE: PassInterface = PassInterface {
         SPEC_LABELS,
         SPEC_COUNT,
         SPEC_PACKED_CELLS,
+        SPEC_GROWTH,
     ],
     local_size: [4, 4, 4],
 };

@@ -3,7 +3,7 @@
 // 0: there are none. Else the bytes of a sample (src/atlas/packed_cells.rs).
 layout(constant_id = SPEC_PACKED_CELLS) const uint PACKED_CELLS = 0;
 
-layout(set = 0, binding = BINDING_CELLS) uniform usampler3D t_cells;
+layout(set = 0, binding = BINDING_PACKED_CELLS) uniform usampler3D t_packed_cells;
 
 // A texel holds samples of one slice: 3x .. 3x + 3 of some rows, a row in as many words as a sample has bytes. Of bytes these are rows
 // 3y .. 3y + 3, of two bytes rows y and y + 1. Neighbouring texels share samples, so that the corners of every cell in the slice lie
@@ -38,8 +38,8 @@ float packed_linear(vec3 at) {
         texel.y = third_of(i.y);
         cell.y = i.y - CELLS_A_ROW * texel.y;
     }
-    vec4 near = corners_in(texelFetch(t_cells, ivec3(texel, i.z), 0), cell);
-    vec4 far = corners_in(texelFetch(t_cells, ivec3(texel, i.z + 1), 0), cell);
+    vec4 near = corners_in(texelFetch(t_packed_cells, ivec3(texel, i.z), 0), cell);
+    vec4 far = corners_in(texelFetch(t_packed_cells, ivec3(texel, i.z + 1), 0), cell);
     // Not mix(), which may miss the value that both ends have: flat places would have gradients.
     vec4 low = vec4(near.xy, far.xy);
     vec4 high = vec4(near.zw, far.zw);

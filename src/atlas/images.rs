@@ -25,7 +25,7 @@ pub(crate) struct Images {
     /// Leaps through skip cells.
     pub(crate) skip: Image,
     /// Corners of voxel cells, packed; what fills them decides when they can be read.
-    pub(crate) cells: Option<PackedCells>,
+    pub(crate) packed_cells: Option<PackedCells>,
     /// Colours of the data, where they are drawn.
     pub(crate) color: Option<ColorAtlas>,
     /// Transfer-function table.
@@ -95,7 +95,7 @@ impl Images {
             })
             .transpose()?;
         Ok(Self {
-            cells: None,
+            packed_cells: None,
             color,
             atlas: volume_image("atlas", extent, format, sampled)?,
             index: volume_image(
@@ -156,7 +156,7 @@ impl Images {
 
     /// Nothing is known of what the images hold; see [`Image::forget`].
     pub(crate) fn forget(&mut self) {
-        self.cells.iter_mut().for_each(PackedCells::forget);
+        self.packed_cells.iter_mut().for_each(PackedCells::forget);
         let images = [
             &self.atlas,
             &self.index,

@@ -3,8 +3,8 @@
 //! Light is needed where the march can see it ([`LitVoxels`]). Groups of 4^3 samples are the unit of work, each with a bit for every
 //! sample that is needed; the list of groups with the table of bricks is the reverse index, atlas to volume, of Hernell et
 //! al. (there a texture with one texel for 4^3 voxels of the atlas). Differs from the paper: bricks of 1^3 and 2^3 voxels take
-//! part where they can be seen. Where bricks do not share their samples, those on borders are all computed next to a visible skip
-//! cell: neighbours follow them.
+//! part where they can be seen. Where bricks do not share their samples, those on borders are all listed next to a visible skip
+//! cell: one brick traces a sample and the others that have it follow (`sharing_of` in light_work.glsl says whom).
 
 use rayon::prelude::*;
 

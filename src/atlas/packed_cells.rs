@@ -73,8 +73,7 @@ impl Packing {
 pub(crate) struct PackedCells {
     pub(crate) image: Image,
     packing: Packing,
-    /// Slices that are packed.
-    done: u32,
+    complete: bool,
 }
 
 impl PackedCells {
@@ -94,7 +93,7 @@ impl PackedCells {
         Ok(Self {
             image,
             packing,
-            done: 0,
+            complete: false,
         })
     }
 
@@ -110,21 +109,15 @@ impl PackedCells {
     /// See [`Image::forget`]. Everything is packed again.
     pub(crate) fn forget(&mut self) {
         self.image.forget();
-        self.done = 0;
+        self.complete = false;
     }
 
     pub(crate) fn is_complete(&self) -> bool {
-        self.done == self.packing.extent[2]
+        self.complete
     }
 
-    /// The next slices, of about `budget` bytes, first and count; they count as packed from now on.
-    pub(crate) fn next_slices(&mut self, budget: usize) -> [u32; 2] {
-        let [width, height, depth] = self.packing.extent;
-        let slice = u64::from(width) * u64::from(height) * TEXEL_BYTES;
-        let most = (budget as u64 / slice).max(1);
-        let count = most.min(u64::from(depth - self.done)) as u32;
-        let first = self.done;
-        self.done += count;
-        [first, count]
+    /// True once: everything is to be packed, and counts as packed from now on.
+    pub(crate) fn take_missing(&mut self) -> bool {
+        !std::mem::replace(&mut self.complete, true)
     }
 }

@@ -79,7 +79,7 @@ pub struct LightStats {
     pub rays: u32,
     /// Mean time of a direction on the device (wall time where there are no timestamps), ms.
     pub ms_per_ray: f64,
-    /// Samples of the light volume that a direction is traced for, in whole groups of 4^3.
+    /// Samples of the light volume that a direction is traced for.
     pub voxels: u64,
     /// Of `ambient_occlusion.sampling` `distance`: by how many parts of a ray each distance between samples is longer than the
     /// one before. `None`: samples in every part.

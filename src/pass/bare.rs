@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::{Variants, tile_groups, tiles, use_cells};
+use super::{Variants, tile_groups, tiles, use_packed_cells};
 use crate::atlas::Images;
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Recorder, Uniforms};
@@ -78,7 +78,7 @@ impl BarePass {
                 BINDING_VOXELS,
                 sampled(&images.atlas, images.atlas_sampler()),
             ),
-            use_cells(recorder, images),
+            use_packed_cells(recorder, images),
         ];
         recorder.bind(pipeline, &bound)?;
         let extent_texel = size.map(|n| 1.0 / n as f32);

@@ -10,7 +10,7 @@
 use std::sync::Arc;
 
 use super::light::{LightResources, parts};
-use super::{Reconstruction, Variants, sampled, use_cells};
+use super::{Reconstruction, Variants, sampled, use_packed_cells};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Recorder};
 use crate::shader::generated::*;
@@ -61,7 +61,7 @@ impl BareLightPass {
                 BINDING_VOXELS,
                 sampled(&images.atlas, images.atlas_sampler()),
             ),
-            use_cells(recorder, images),
+            use_packed_cells(recorder, images),
         ];
         recorder.bind(pipeline, &bound)?;
         for (first, count) in parts(0, work.trace.len()) {

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::{Reconstruction, Variants, gradient_constant, sampled, use_cells};
+use super::{Reconstruction, Variants, gradient_constant, sampled, use_packed_cells};
 use crate::atlas::{GRADIENT_CHUNK, GradientVolume, Images};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Buffer, Context, Recorder, Uniforms};
@@ -84,7 +84,7 @@ impl GradientsPass {
                 sampled(&images.atlas, images.atlas_sampler()),
             ),
             (BINDING_INDEX, sampled(&images.index, &images.nearest)),
-            use_cells(recorder, images),
+            use_packed_cells(recorder, images),
             (
                 BINDING_GRADIENTS_STORE,
                 Bound::StorageImage(&gradients.image),

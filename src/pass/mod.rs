@@ -125,17 +125,20 @@ fn sampled<'a>(image: &'a Image, sampler: &'a Sampler) -> Bound<'a> {
 }
 
 /// The packed corners of voxel cells; without any an image of the same kind stands in, which nothing reads.
-fn use_cells<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> (u32, Bound<'a>) {
-    let cells = images.cells.as_ref().map_or(&images.skip, |c| &c.image);
+fn use_packed_cells<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> (u32, Bound<'a>) {
+    let cells = images
+        .packed_cells
+        .as_ref()
+        .map_or(&images.skip, |c| &c.image);
     recorder.use_image(cells, Access::SampledRead);
-    let binding = crate::shader::generated::BINDING_CELLS;
+    let binding = crate::shader::generated::BINDING_PACKED_CELLS;
     (binding, sampled(cells, &images.nearest))
 }
 
 /// What every pass that samples and classifies the field reads: asks for the barriers and gives the bindings.
 fn use_field<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> [(u32, Bound<'a>); 5] {
     use crate::shader::generated::{BINDING_ATLAS, BINDING_INDEX, BINDING_SKIP, BINDING_TRANSFER};
-    let cells = use_cells(recorder, images);
+    let cells = use_packed_cells(recorder, images);
     let field = [
         (BINDING_ATLAS, &images.atlas, images.atlas_sampler()),
         (BINDING_INDEX, &images.index, &images.nearest),

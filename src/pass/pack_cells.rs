@@ -1,7 +1,7 @@
 //! The corners of voxel cells, packed.
 //!
 //! Reads   atlas (SampledRead)
-//! Writes  the packed corners (Storage), for a range of slices
+//! Writes  the packed corners (Storage)
 //! Grid    one workgroup for 8x8 texels of a slice
 //! Method  copies: each voxel into the texels of the cells that it is a corner of
 //! Limits  a dispatch takes at most `TEXELS_A_DISPATCH` texels, or one slice
@@ -32,14 +32,13 @@ impl PackCellsPass {
         }
     }
 
-    /// Packs the slices `first .. first + count`.
+    /// Packs the atlas.
     pub(crate) fn record(
         &mut self,
         context: &Arc<Context>,
         recorder: &mut Recorder<'_>,
         images: &Images,
         cells: &PackedCells,
-        [first, count]: [u32; 2],
     ) -> Result<()> {
         let constants = vec![(SPEC_PACKED_CELLS, cells.sample_bytes())];
         let pipeline = self
@@ -49,14 +48,16 @@ impl PackCellsPass {
         recorder.use_image(&cells.image, Access::Storage);
         let bound = [
             (BINDING_ATLAS, sampled(&images.atlas, &images.nearest)),
-            (BINDING_CELLS_STORE, Bound::StorageImage(&cells.image)),
+            (
+                BINDING_PACKED_CELLS_STORE,
+                Bound::StorageImage(&cells.image),
+            ),
         ];
         recorder.bind(pipeline, &bound)?;
-        let [width, height, _] = cells.image.extent();
+        let [width, height, depth] = cells.image.extent();
         let slices = (TEXELS_A_DISPATCH / (u64::from(width) * u64::from(height))).max(1) as u32;
-        let end = first + count;
-        for first in (first..end).step_by(slices as usize) {
-            let count = (end - first).min(slices);
+        for first in (0..depth).step_by(slices as usize) {
+            let count = (depth - first).min(slices);
             let groups = [width.div_ceil(8), height.div_ceil(8), count];
             recorder.dispatch(pipeline, &PartPush { first, count }, groups);
         }

@@ -365,7 +365,12 @@ impl Loaded {
         let params = self.frame_params(frame);
         let frame_uniforms = recorder.slot().uniforms(bytemuck::bytes_of(&params))?;
         let tile = self.tile.unwrap_or_else(|| self.default_tile());
-        let packed_cells = self.packed_sample_bytes();
+        // Its positions are those of an atlas that is the volume itself.
+        let packed_cells = if self.residency.layout.is_grid() {
+            self.packed_sample_bytes()
+        } else {
+            0
+        };
         let Self {
             images,
             bare_pass,

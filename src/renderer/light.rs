@@ -80,6 +80,7 @@ impl LightProgress {
     /// Back to no direction.
     pub(super) fn restart(&mut self) {
         self.traced = 0;
+        self.joined = true;
     }
 
     /// The next direction, `None` when all were traced.
@@ -173,6 +174,9 @@ impl Loaded {
         volume: Uniforms,
         is_read: bool,
     ) -> Result<()> {
+        if !self.uploads.bricks_complete() {
+            return Ok(());
+        }
         let reconstruction = self.reconstruction(false);
         let Self {
             images,

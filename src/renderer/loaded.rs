@@ -74,7 +74,7 @@ impl Loaded {
         let mut images = Images::new(context, NAME, &store, &residency, lit, settings.data_color)?;
         let labels = label_images(context, &settings)?;
         let gradients = gradients(context, &store, &residency, &settings)?;
-        images.cells = packing(context, &store, &residency, &settings, gradients.as_ref())
+        images.packed_cells = packing(context, &store, &residency, &settings, gradients.as_ref())
             .map(|packing| PackedCells::new(context, NAME, packing))
             .transpose()?;
         let lists = LightLists::new(context, NAME, &visibility.light)?;
@@ -199,8 +199,8 @@ impl Loaded {
         let kept = gradients.as_ref().unwrap_or(&self.gradients).as_ref();
         let packing = packing(context, &self.store, current, &settings, kept);
         // Texels of an atlas that stays need not be packed again.
-        let repack =
-            images.is_some() || packing != self.images.cells.as_ref().map(PackedCells::packing);
+        let repack = images.is_some()
+            || packing != self.images.packed_cells.as_ref().map(PackedCells::packing);
         let cells = repack
             .then(|| {
                 packing
@@ -226,7 +226,9 @@ impl Loaded {
             )?),
         };
 
+        // Light that was read in another way differs in last bits.
         let same_light = images.is_none()
+            && cells.is_none()
             && residency.is_none()
             && self.settings.same_light(&settings)
             && visibility
@@ -237,7 +239,7 @@ impl Loaded {
             self.uploads = Uploads::all(current);
         }
         if let Some(cells) = cells {
-            self.images.cells = cells;
+            self.images.packed_cells = cells;
         }
         self.uploads.reclassify();
         if let Some(residency) = residency {
@@ -463,6 +465,7 @@ pub(super) fn sample_lengths(settings: &Settings, voxel_mm: f64) -> SampleLength
     }
 }
 
+/// Looks at voxels where the growth of distances is left to the renderer, which may take seconds.
 fn light_progress(store: &Store, settings: &Settings) -> Option<LightProgress> {
     settings.ambient_occlusion.as_ref().map(|ao| {
         LightProgress::new(

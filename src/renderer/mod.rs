@@ -156,7 +156,9 @@ impl Renderer {
     }
 
     /// Changes what it draws by. Levels are chosen again when the transfer function or the storage changed; the light starts
-    /// again when transfer function, levels or its own settings did, and never otherwise.
+    /// again when transfer function, levels, its own settings or the way that voxels are read (`storage.packed_cells`, where the budget
+    /// has room) did, and never otherwise. With `ambient_occlusion.sampling` `distance` and no `growth` a new light looks at voxels on
+    /// the host first, for tenths of a second up to seconds.
     ///
     /// # Errors
     /// As [`Renderer::new`]; the old settings stay in force then.
@@ -259,7 +261,7 @@ pub(crate) fn record(
     work: Work,
 ) -> Result<FrameReport> {
     let mut report = loaded.record_uploads(context, recorder, frame.upload_budget)?;
-    loaded.record_packed_cells(context, recorder, frame.upload_budget)?;
+    loaded.record_packed_cells(context, recorder)?;
     let volume = recorder
         .slot()
         .uniforms(bytemuck::bytes_of(&loaded.volume_params()))?;

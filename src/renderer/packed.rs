@@ -1,4 +1,4 @@
-//! Packed corners of voxel cells: whether there are some, and those that a frame adds.
+//! Packed corners of voxel cells: whether there are some, and what fills them.
 
 use std::sync::Arc;
 
@@ -26,42 +26,48 @@ pub(super) fn packing(
 }
 
 impl Loaded {
-    /// Packs corners of the cells that are on the device, of about `budget` bytes.
+    /// Packs the corners of all cells once the bricks are complete: light and pictures of a complete volume read nothing else.
     pub(super) fn record_packed_cells(
         &mut self,
         context: &Arc<Context>,
         recorder: &mut Recorder<'_>,
-        budget: usize,
     ) -> Result<()> {
         if !self.uploads.bricks_complete() {
             return Ok(());
         }
-        let Some(mut cells) = self.images.cells.take_if(|cells| !cells.is_complete()) else {
-            return Ok(());
-        };
-        let slices = cells.next_slices(budget);
+        let missing = self
+            .images
+            .packed_cells
+            .as_mut()
+            .map(PackedCells::take_missing);
         let Self {
             images,
             pack_cells_pass,
             ..
         } = self;
-        let recorded = recorder.pass(pass_name::PACK_CELLS, |recorder| {
-            pack_cells_pass.record(context, recorder, images, &cells, slices)
-        });
-        self.images.cells = Some(cells);
-        recorded
+        match &images.packed_cells {
+            Some(cells) if missing == Some(true) => recorder
+                .pass(pass_name::PACK_CELLS, |recorder| {
+                    pack_cells_pass.record(context, recorder, images, cells)
+                }),
+            _ => Ok(()),
+        }
     }
 
     /// Bytes of what is computed from the voxels and kept beside them: packed corners, gradients.
     pub(crate) fn derived_bytes(&self) -> (u64, u64) {
-        let cells = self.images.cells.as_ref().map_or(0, |c| c.image.bytes());
+        let cells = self
+            .images
+            .packed_cells
+            .as_ref()
+            .map_or(0, |c| c.image.bytes());
         let gradients = self.gradients.as_ref().map_or(0, |g| g.image.bytes());
         (cells, gradients)
     }
 
     /// Bytes of the packed samples that passes may read instead of filtering; 0 for none.
     pub(super) fn packed_sample_bytes(&self) -> u32 {
-        let cells = self.images.cells.as_ref();
+        let cells = self.images.packed_cells.as_ref();
         cells
             .filter(|cells| cells.is_complete() && self.uploads.bricks_complete())
             .map_or(0, PackedCells::sample_bytes)

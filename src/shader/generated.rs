@@ -359,9 +359,9 @@ pub const BINDING_GRADIENTS_STORE: u32 = 47;
 
 pub const BINDING_CHUNKS: u32 = 48;
 
-pub const BINDING_CELLS: u32 = 49;
+pub const BINDING_PACKED_CELLS: u32 = 49;
 
-pub const BINDING_CELLS_STORE: u32 = 50;
+pub const BINDING_PACKED_CELLS_STORE: u32 = 50;
 
 pub const SPEC_INTERPOLATION: u32 = 0;
 

@@ -63,6 +63,8 @@ fn edits(subject: &Subject, random: &mut Random) -> Vec<(&'static str, Subject)>
         now = now.with(|scene| scene.march.inter_block_interpolation = true);
         push("a wide filter", &now);
     }
+    now = now.with(|scene| scene.storage.packed_cells = !scene.storage.packed_cells);
+    push("voxels read in another way", &now);
     push("as it was", subject);
     edits
 }

@@ -118,7 +118,8 @@ fn counted<V: Voxel>(volume: &Volume, voxels: &[V]) -> Option<Vec<([i32; 2], u64
     let rows = voxels.chunks_exact(row);
     let rows: Vec<&[V]> = rows.step_by((voxels.len() / PAIRS).max(1)).collect();
     let [first, last] = volume.stored_range();
-    let values = (last - first) as usize + 1;
+    // Of real numbers it may be any number, and says nothing.
+    let values = ((last - first) as usize).saturating_add(1);
     let whole = |stored: f64| {
         let value = volume.value_from_stored(stored);
         (value.fract() == 0.0).then_some(value as i32)

@@ -180,7 +180,7 @@ const fn march_bindings(target: Access) -> [Binding; 17] {
         sampled(BINDING_LABEL_TABLE),
         sampled(BINDING_COLOR),
         sampled(BINDING_GRADIENTS),
-        sampled(BINDING_CELLS),
+        sampled(BINDING_PACKED_CELLS),
     ]
 }
 
@@ -229,7 +229,7 @@ const fn extremum_bindings(target: Access) -> [Binding; 12] {
         sampled(BINDING_RANGE),
         sampled(BINDING_LABELS),
         sampled(BINDING_LABEL_TABLE),
-        sampled(BINDING_CELLS),
+        sampled(BINDING_PACKED_CELLS),
     ]
 }
 
@@ -281,7 +281,7 @@ const fn isosurface_bindings(target: Access) -> [Binding; 14] {
         sampled(BINDING_LABELS),
         sampled(BINDING_LABEL_TABLE),
         sampled(BINDING_GRADIENTS),
-        sampled(BINDING_CELLS),
+        sampled(BINDING_PACKED_CELLS),
     ]
 }
 
@@ -309,7 +309,7 @@ pub const GRADIENTS: PassInterface = PassInterface {
         sampled(BINDING_INDEX),
         storage_image(BINDING_GRADIENTS_STORE, Access::Write),
         storage_read(BINDING_CHUNKS),
-        sampled(BINDING_CELLS),
+        sampled(BINDING_PACKED_CELLS),
     ],
     push_constants: Some(PartPush::LAYOUT),
     spec_ids: &[
@@ -328,7 +328,7 @@ pub const PACK_CELLS: PassInterface = PassInterface {
     module: &generated::PACK_CELLS,
     bindings: &[
         sampled(BINDING_ATLAS),
-        storage_image(BINDING_CELLS_STORE, Access::Write),
+        storage_image(BINDING_PACKED_CELLS_STORE, Access::Write),
     ],
     push_constants: Some(PartPush::LAYOUT),
     spec_ids: &[SPEC_PACKED_CELLS],
@@ -362,7 +362,7 @@ pub const LIGHT_TRACE: PassInterface = PassInterface {
         storage_image(BINDING_LIGHT_STORE, Access::ReadWrite),
         sampled(BINDING_LABELS),
         sampled(BINDING_LABEL_TABLE),
-        sampled(BINDING_CELLS),
+        sampled(BINDING_PACKED_CELLS),
     ],
     push_constants: Some(LightPush::LAYOUT),
     spec_ids: &[
@@ -405,7 +405,7 @@ pub const BARE: PassInterface = PassInterface {
         sampled(BINDING_TRANSFER),
         storage_image(BINDING_TARGET, Access::Write),
         sampled(BINDING_VOXELS),
-        sampled(BINDING_CELLS),
+        sampled(BINDING_PACKED_CELLS),
     ],
     push_constants: Some(BarePush::LAYOUT),
     spec_ids: &[SPEC_EMISSION, SPEC_EXACT_BINS, SPEC_PACKED_CELLS],
@@ -422,7 +422,7 @@ pub const BARE_LIGHT: PassInterface = PassInterface {
         storage_read(BINDING_WORK),
         storage_image(BINDING_LIGHT_STORE, Access::Write),
         sampled(BINDING_VOXELS),
-        sampled(BINDING_CELLS),
+        sampled(BINDING_PACKED_CELLS),
     ],
     push_constants: Some(LightPush::LAYOUT),
     spec_ids: &[

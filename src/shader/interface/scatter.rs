@@ -33,7 +33,7 @@ pub const GRID_MEDIUM: PassInterface = PassInterface {
         uniform(BINDING_MEDIUM),
         storage_image(BINDING_GRID_MEDIUM_STORE, Access::Write),
         storage_image(BINDING_GRID_EMISSION_STORE, Access::Write),
-        sampled(BINDING_CELLS),
+        sampled(BINDING_PACKED_CELLS),
     ],
     push_constants: None,
     spec_ids: &[

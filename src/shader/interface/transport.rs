@@ -53,7 +53,7 @@ const fn transport_bindings(target: Access) -> [Binding; 19] {
         sampled(BINDING_PHASE),
         storage_image(BINDING_THROUGH, Access::Write),
         sampled(BINDING_GRADIENTS),
-        sampled(BINDING_CELLS),
+        sampled(BINDING_PACKED_CELLS),
     ]
 }
 
@@ -112,7 +112,7 @@ const fn pathtrace_bindings(target: Access) -> [Binding; 19] {
         storage_image(BINDING_PATHS_SUM, Access::ReadWrite),
         storage_image(BINDING_PATHS_SQUARE, Access::ReadWrite),
         storage_image(BINDING_PATHS_THROUGH, Access::ReadWrite),
-        sampled(BINDING_CELLS),
+        sampled(BINDING_PACKED_CELLS),
     ]
 }
 
@@ -144,7 +144,7 @@ pub const SHADOW_SWEEP: PassInterface = PassInterface {
         sampled(BINDING_LABEL_TABLE),
         uniform(BINDING_MEDIUM),
         storage_image(BINDING_SHADOW_STORE, Access::ReadWrite),
-        sampled(BINDING_CELLS),
+        sampled(BINDING_PACKED_CELLS),
     ],
     push_constants: Some(SweepPush::LAYOUT),
     spec_ids: &[

@@ -28,14 +28,14 @@ void main() {
     // Where the first sample is and how far the next, for the read that there is.
     vec3 at = ray.origin_ix + 0.5 * ray.step_ix;
     vec3 ahead = ray.step_ix;
-    if (PACKED_CELLS == 0u) {
+    if (!PACKED_CELLS) {
         at = (at + 0.5) * push.extent_texel;
         ahead *= push.extent_texel;
     }
     vec4 sum = vec4(0.0);
     for (uint i = 0u; i < count; ++i) {
         vec3 there = at + float(i) * ahead;
-        float value = PACKED_CELLS == 0u ? textureLod(t_voxels, there, 0.0).r : packed_linear(there);
+        float value = PACKED_CELLS ? packed_linear(there) : textureLod(t_voxels, there, 0.0).r;
         Classified c = classify(value, 1.0);
         sum += vec4(c.color, c.opacity);
     }

@@ -31,7 +31,7 @@ void main() {
     // Where the first sample is and how far the next, for the read that there is.
     vec3 at = vec3(s.sample_at) + push.direction_ix * push.offset_mm + 0.5 * step_ix;
     vec3 ahead = step_ix;
-    if (PACKED_CELLS == 0u) {
+    if (!PACKED_CELLS) {
         at = (at + 0.5) * volume.atlas_texel;
         ahead *= volume.atlas_texel;
     }
@@ -40,7 +40,7 @@ void main() {
     for (uint m = 0u; m < parts; ++m) {
         vec3 there = at + float(m) * ahead;
         float value =
-            PACKED_CELLS == 0u ? textureLod(t_voxels, there, 0.0).r : packed_linear(clamp(there, vec3(0.0), last_at));
+            PACKED_CELLS ? packed_linear(clamp(there, vec3(0.0), last_at)) : textureLod(t_voxels, there, 0.0).r;
         sum += classify_light(value, 1.0).opacity;
     }
     // Lanes beyond the last sample of a brick work like the others, and may not write outside.

@@ -44,7 +44,7 @@ float atlas_linear_manual(vec3 at) {
 
 // Trilinear, whatever the march does: gradients and light follow the continuous field.
 float reconstruct_linear(Brick b, vec3 local) {
-    if (PACKED_CELLS != 0u) {
+    if (PACKED_CELLS) {
         return packed_linear(b.origin_at + local);
     }
     if (MANUAL_FILTER) {

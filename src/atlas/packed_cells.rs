@@ -24,12 +24,10 @@ const TEXEL_BYTES: u64 = 16;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Packing {
     extent: [u32; 3],
-    /// Bytes of a sample, 1 or 2.
-    sample_bytes: u32,
 }
 
 impl Packing {
-    /// `None` where the device filters faster itself, samples have more than two bytes, or the budget, which the texels of the
+    /// `None` where the device filters faster itself, samples have more than one byte, or the budget, which the texels of the
     /// atlas and what belongs to each share, has no room.
     pub(crate) fn of(
         context: &Context,
@@ -38,34 +36,27 @@ impl Packing {
         other_texel_bytes: u32,
         budget_bytes: u64,
     ) -> Option<Self> {
-        let sample_bytes = match store.volume.voxels().voxel_type() {
-            VoxelType::U8 | VoxelType::I8 => 1,
-            VoxelType::U16 | VoxelType::I16 => 2,
-            VoxelType::F32 => return None,
-        };
         let [width, height, depth] = residency.layout.extent();
+        let voxels = store.volume.voxels().voxel_type();
         if context.capabilities().device_type != "cpu"
+            || !matches!(voxels, VoxelType::U8 | VoxelType::I8)
             || !context.can_store(FORMAT)
             || width.max(height) > MAX_INDEX
             || depth >= context.capabilities().max_extent_3d
         {
             return None;
         }
-        let rows = if sample_bytes == 1 {
-            height.div_ceil(CELLS_A_ROW)
-        } else {
-            height
-        };
         // One slice more: samples on the last one fetch the next, of which they take nothing.
-        let extent = [width.div_ceil(CELLS_A_ROW), rows, depth + 1];
+        let extent = [
+            width.div_ceil(CELLS_A_ROW),
+            height.div_ceil(CELLS_A_ROW),
+            depth + 1,
+        ];
         let texels = extent.iter().map(|&n| u64::from(n)).product::<u64>();
-        let texel_bytes = u64::from(sample_bytes + other_texel_bytes);
+        let texel_bytes = u64::from(1 + other_texel_bytes);
         let beside = residency.layout.texels().saturating_mul(texel_bytes);
         let bytes = texels.saturating_mul(TEXEL_BYTES).saturating_add(beside);
-        (bytes <= budget_bytes).then_some(Self {
-            extent,
-            sample_bytes,
-        })
+        (bytes <= budget_bytes).then_some(Self { extent })
     }
 }
 
@@ -99,11 +90,6 @@ impl PackedCells {
 
     pub(crate) fn packing(&self) -> Packing {
         self.packing
-    }
-
-    /// Bytes of a sample, 1 or 2.
-    pub(crate) fn sample_bytes(&self) -> u32 {
-        self.packing.sample_bytes
     }
 
     /// See [`Image::forget`]. Everything is packed again.

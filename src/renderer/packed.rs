@@ -65,11 +65,9 @@ impl Loaded {
         (cells, gradients)
     }
 
-    /// Bytes of the packed samples that passes may read instead of filtering; 0 for none.
-    pub(super) fn packed_sample_bytes(&self) -> u32 {
+    /// True when passes read packed corners instead of filtering.
+    pub(super) fn reads_packed_cells(&self) -> bool {
         let cells = self.images.packed_cells.as_ref();
-        cells
-            .filter(|cells| cells.is_complete() && self.uploads.bricks_complete())
-            .map_or(0, PackedCells::sample_bytes)
+        cells.is_some_and(PackedCells::is_complete) && self.uploads.bricks_complete()
     }
 }

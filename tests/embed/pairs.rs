@@ -109,12 +109,12 @@ fn scene_of(choice: &Choice) -> Subject {
         voxels,
     ] = *choice;
     let placement = placed([1.0, 0.8, 1.2], [0.3, 0.1, 1.0], 35.0, [4.0, -3.0, 7.0]);
-    // Two with packed corners, and two without.
+    // One with packed corners, and three without.
     let (voxel_type, largest, packed) = [
         (VoxelType::F32, 1.0, true),
         (VoxelType::U16, 65535.0, true),
         (VoxelType::U8, 255.0, true),
-        (VoxelType::U16, 65535.0, false),
+        (VoxelType::U8, 255.0, false),
     ][voxels];
     let rescale = Rescale {
         slope: 1.0 / largest,

@@ -26,11 +26,12 @@ void main() {
     Ray ray = ray_through(vec2(px) + 0.5, frame, volume.field_ix);
     uint count = segment_count(ray, 0.0);
     // Where the first sample is and how far the next, for the read that there is.
-    vec3 at = ray.origin_ix + 0.5 * ray.step_ix;
-    vec3 ahead = ray.step_ix;
-    if (!PACKED_CELLS) {
-        at = (at + 0.5) * push.extent_texel;
-        ahead *= push.extent_texel;
+    vec3 first_ix = ray.origin_ix + 0.5 * ray.step_ix;
+    vec3 at = (first_ix + 0.5) * push.extent_texel;
+    vec3 ahead = ray.step_ix * push.extent_texel;
+    if (PACKED_CELLS) {
+        at = first_ix;
+        ahead = ray.step_ix;
     }
     vec4 sum = vec4(0.0);
     for (uint i = 0u; i < count; ++i) {

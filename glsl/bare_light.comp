@@ -29,11 +29,12 @@ void main() {
     uint parts = uint(push.parts);
     vec3 step_ix = push.direction_ix * ((push.radius_mm - push.offset_mm) / push.parts);
     // Where the first sample is and how far the next, for the read that there is.
-    vec3 at = vec3(s.sample_at) + push.direction_ix * push.offset_mm + 0.5 * step_ix;
-    vec3 ahead = step_ix;
-    if (!PACKED_CELLS) {
-        at = (at + 0.5) * volume.atlas_texel;
-        ahead *= volume.atlas_texel;
+    vec3 first_ix = vec3(s.sample_at) + push.direction_ix * push.offset_mm + 0.5 * step_ix;
+    vec3 at = (first_ix + 0.5) * volume.atlas_texel;
+    vec3 ahead = step_ix * volume.atlas_texel;
+    if (PACKED_CELLS) {
+        at = first_ix;
+        ahead = step_ix;
     }
     vec3 last_at = 1.0 / volume.atlas_texel - 1.0;
     float sum = 0.0;

@@ -11,7 +11,7 @@ use crate::sessions::{Subject, assert_valid, device, shown};
 /// Random scenes, each with all edits; `UMBRAVOX_CASES` for more.
 fn cases() -> u64 {
     let wanted = std::env::var("UMBRAVOX_CASES").ok();
-    wanted.and_then(|n| n.parse().ok()).unwrap_or(12)
+    wanted.and_then(|n| n.parse().ok()).unwrap_or(6)
 }
 
 fn with_points(subject: &Subject, change: impl FnMut(&mut ControlPoint)) -> Subject {

@@ -63,7 +63,6 @@ impl Packing {
 /// Packed corners on the device.
 pub(crate) struct PackedCells {
     pub(crate) image: Image,
-    packing: Packing,
     complete: bool,
 }
 
@@ -83,13 +82,14 @@ impl PackedCells {
         )?;
         Ok(Self {
             image,
-            packing,
             complete: false,
         })
     }
 
     pub(crate) fn packing(&self) -> Packing {
-        self.packing
+        Packing {
+            extent: self.image.extent(),
+        }
     }
 
     /// See [`Image::forget`]. Everything is packed again.

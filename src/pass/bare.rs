@@ -33,17 +33,12 @@ pub(crate) struct BareResources<'a> {
 }
 
 /// The pass.
+#[derive(Default)]
 pub(crate) struct BarePass {
     variants: Variants,
 }
 
 impl BarePass {
-    pub(crate) fn new() -> Self {
-        Self {
-            variants: Variants::new(),
-        }
-    }
-
     pub(crate) fn record(
         &mut self,
         context: &Arc<Context>,

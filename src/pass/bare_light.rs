@@ -18,17 +18,12 @@ use crate::shader::interface;
 use crate::shader::structs::LightPush;
 
 /// The pass.
+#[derive(Default)]
 pub(crate) struct BareLightPass {
     variants: Variants,
 }
 
 impl BareLightPass {
-    pub(crate) fn new() -> Self {
-        Self {
-            variants: Variants::new(),
-        }
-    }
-
     /// One direction; `push` holds all but the part of the list.
     pub(crate) fn record(
         &mut self,

@@ -35,17 +35,12 @@ pub(crate) struct GradientsResources<'a> {
 }
 
 /// The pass.
+#[derive(Default)]
 pub(crate) struct GradientsPass {
     variants: Variants,
 }
 
 impl GradientsPass {
-    pub(crate) fn new() -> Self {
-        Self {
-            variants: Variants::new(),
-        }
-    }
-
     /// Estimates the gradients of some chunks.
     pub(crate) fn record(
         &mut self,

@@ -41,17 +41,12 @@ pub(crate) struct TraceVariant {
 }
 
 /// The pass.
+#[derive(Default)]
 pub(crate) struct LightPass {
     variants: Variants,
 }
 
 impl LightPass {
-    pub(crate) fn new() -> Self {
-        Self {
-            variants: Variants::new(),
-        }
-    }
-
     /// Traces one direction; `push` holds all but the part of the list.
     pub(crate) fn trace(
         &mut self,

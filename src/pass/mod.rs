@@ -23,18 +23,13 @@ use crate::shader::PassInterface;
 type Constants = Vec<(u32, u32)>;
 
 /// Pipelines of one pass by specialization, compiled when first used.
+#[derive(Default)]
 pub(crate) struct Variants {
     /// By module and (id, value) pairs.
     pipelines: BTreeMap<(&'static str, Constants), Pipeline>,
 }
 
 impl Variants {
-    pub(crate) fn new() -> Self {
-        Self {
-            pipelines: BTreeMap::new(),
-        }
-    }
-
     /// The pipeline of `interface` specialized by (id, value) pairs; those that it does not have are left out.
     pub(crate) fn get(
         &mut self,

@@ -21,17 +21,12 @@ use crate::shader::structs::PartPush;
 const TEXELS_A_DISPATCH: u64 = 1 << 22;
 
 /// The pass.
+#[derive(Default)]
 pub(crate) struct PackCellsPass {
     variants: Variants,
 }
 
 impl PackCellsPass {
-    pub(crate) fn new() -> Self {
-        Self {
-            variants: Variants::new(),
-        }
-    }
-
     /// Packs the atlas.
     pub(crate) fn record(
         &mut self,

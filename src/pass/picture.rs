@@ -249,7 +249,7 @@ impl PicturePass {
         };
         let sampled = vk::ImageUsageFlags::SAMPLED;
         Ok(Self {
-            variants: Variants::new(),
+            variants: Variants::default(),
             unused_sampled: unused(
                 "umbravox.picture.no_image",
                 vk::Format::R32_SFLOAT,

@@ -17,17 +17,12 @@ use crate::shader::generated::*;
 use crate::shader::interface;
 
 /// The pass.
+#[derive(Default)]
 pub(crate) struct PreintegratePass {
     variants: Variants,
 }
 
 impl PreintegratePass {
-    pub(crate) fn new() -> Self {
-        Self {
-            variants: Variants::new(),
-        }
-    }
-
     /// Computes the table from `images.integrals`.
     pub(crate) fn record(
         &mut self,

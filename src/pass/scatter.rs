@@ -45,17 +45,12 @@ pub(crate) struct ScatterResources<'a> {
 }
 
 /// The passes.
+#[derive(Default)]
 pub(crate) struct ScatterPass {
     variants: Variants,
 }
 
 impl ScatterPass {
-    pub(crate) fn new() -> Self {
-        Self {
-            variants: Variants::new(),
-        }
-    }
-
     /// The medium on the grid, and of all but the ordinates what the lights do there.
     pub(crate) fn prepare(
         &mut self,

@@ -50,17 +50,12 @@ pub(crate) struct ShadowResources<'a> {
 }
 
 /// The pass.
+#[derive(Default)]
 pub(crate) struct ShadowPass {
     variants: Variants,
 }
 
 impl ShadowPass {
-    pub(crate) fn new() -> Self {
-        Self {
-            variants: Variants::new(),
-        }
-    }
-
     pub(crate) fn record(
         &mut self,
         context: &Arc<Context>,

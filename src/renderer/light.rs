@@ -9,7 +9,8 @@ use super::pass_name;
 use crate::error::Result;
 use crate::gpu::{Context, Recorder, Uniforms};
 use crate::pass::Reconstruction;
-use crate::pass::light::{LightResources, TraceVariant};
+use crate::pass::bare_light::BareLightPass;
+use crate::pass::light::{LightPass, LightResources, TraceVariant};
 use crate::scene::{AmbientOcclusion, Curve, Interpolation};
 use crate::shader::structs::LightPush;
 
@@ -108,6 +109,21 @@ impl LightProgress {
 }
 
 impl Loaded {
+    /// What the passes of the light work on, and those passes.
+    fn light_parts(
+        &mut self,
+        volume: Uniforms,
+    ) -> (LightResources<'_>, &mut LightPass, &mut BareLightPass) {
+        let resources = LightResources {
+            images: &self.images,
+            labels: self.labels.as_ref(),
+            lists: &self.lists,
+            work: &self.visibility.light,
+            volume,
+        };
+        (resources, &mut self.light_pass, &mut self.bare_light_pass)
+    }
+
     /// Traces the next direction, if there is one and the bricks are complete.
     pub(super) fn record_light(
         &mut self,
@@ -134,22 +150,7 @@ impl Loaded {
             return Ok(());
         };
         let grows = self.light_growth().is_some();
-        let Self {
-            images,
-            labels,
-            lists,
-            visibility,
-            light_pass,
-            bare_light_pass,
-            ..
-        } = self;
-        let resources = LightResources {
-            images,
-            labels: labels.as_ref(),
-            lists,
-            work: &visibility.light,
-            volume,
-        };
+        let (resources, light_pass, bare_light_pass) = self.light_parts(volume);
         if workload == LightWorkload::Bare {
             return recorder.pass(pass_name::BARE_LIGHT, |recorder| {
                 bare_light_pass.record(context, recorder, reconstruction, &resources, push)
@@ -178,28 +179,12 @@ impl Loaded {
             return Ok(());
         }
         let reconstruction = self.reconstruction(false);
-        let Self {
-            images,
-            labels,
-            lists,
-            visibility,
-            light_pass,
-            light: Some(light),
-            ..
-        } = self
-        else {
-            return Ok(());
-        };
-        if !light.take_unjoined(is_read) || visibility.light.seam.is_empty() {
+        let light = self.light.as_mut();
+        let due = light.is_some_and(|light| light.take_unjoined(is_read));
+        if !due || self.visibility.light.seam.is_empty() {
             return Ok(());
         }
-        let resources = LightResources {
-            images,
-            labels: labels.as_ref(),
-            lists,
-            work: &visibility.light,
-            volume,
-        };
+        let (resources, light_pass, _) = self.light_parts(volume);
         recorder.pass(pass_name::LIGHT_SEAM, |recorder| {
             light_pass.seam(context, recorder, reconstruction, &resources)
         })

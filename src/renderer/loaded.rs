@@ -78,7 +78,7 @@ impl Loaded {
             .map(|packing| PackedCells::new(context, NAME, packing))
             .transpose()?;
         let lists = LightLists::new(context, NAME, &visibility.light)?;
-        let light = light_progress(&store, &settings);
+        let light = light_progress(&store, &settings, None);
         let uploads = Uploads::all(&residency);
         let transport = Transport::new(context, NAME, &store, &residency, &table, &settings)?;
         let exact_bins =
@@ -100,13 +100,13 @@ impl Loaded {
             paths: None,
             uploads,
             picture_pass: PicturePass::new(context)?,
-            light_pass: LightPass::new(),
-            gradients_pass: GradientsPass::new(),
-            pack_cells_pass: PackCellsPass::new(),
-            shadow_pass: ShadowPass::new(),
-            scatter_pass: ScatterPass::new(),
-            bare_pass: BarePass::new(),
-            bare_light_pass: BareLightPass::new(),
+            light_pass: LightPass::default(),
+            gradients_pass: GradientsPass::default(),
+            pack_cells_pass: PackCellsPass::default(),
+            shadow_pass: ShadowPass::default(),
+            scatter_pass: ScatterPass::default(),
+            bare_pass: BarePass::default(),
+            bare_light_pass: BareLightPass::default(),
             tile: None,
         })
     }
@@ -226,6 +226,11 @@ impl Loaded {
             )?),
         };
 
+        // Chosen by looking at many rays; labels and levels have no part in it.
+        let growth = self
+            .settings
+            .same_light_rays(&settings)
+            .then(|| self.light_growth());
         // Light that was read in another way differs in last bits.
         let same_light = images.is_none()
             && cells.is_none()
@@ -276,7 +281,7 @@ impl Loaded {
         self.table = table;
         self.settings = settings;
         if !same_light {
-            self.light = light_progress(&self.store, &self.settings);
+            self.light = light_progress(&self.store, &self.settings, growth);
         }
         Ok(())
     }
@@ -465,15 +470,20 @@ pub(super) fn sample_lengths(settings: &Settings, voxel_mm: f64) -> SampleLength
     }
 }
 
-/// Looks at voxels where the growth of distances is left to the renderer, which may take seconds.
-fn light_progress(store: &Store, settings: &Settings) -> Option<LightProgress> {
+/// `growth`: of the distances between samples, where it is known; finding it may take seconds.
+fn light_progress(
+    store: &Store,
+    settings: &Settings,
+    growth: Option<Option<f64>>,
+) -> Option<LightProgress> {
     settings.ambient_occlusion.as_ref().map(|ao| {
+        let choose = || occlusion::growth(&store.volume, &settings.curve, ao);
         LightProgress::new(
             ao,
             &settings.curve,
             store.volume.world_from_ix().matrix3.inverse(),
             store.volume.min_spacing(),
-            occlusion::growth(&store.volume, &settings.curve, ao),
+            growth.unwrap_or_else(choose),
         )
     })
 }

@@ -270,8 +270,6 @@ pub(crate) fn record(
     }
     if matches!(work, Work::Everything | Work::LightOnly | Work::PictureOnly) {
         loaded.record_light_seam(context, recorder, volume, work != Work::LightOnly)?;
-    }
-    if matches!(work, Work::Everything | Work::LightOnly | Work::PictureOnly) {
         let iterating = work != Work::PictureOnly;
         loaded.record_transport(context, recorder, volume, &frame.rays, iterating)?;
     }

@@ -92,7 +92,7 @@ impl Prepared {
         let kind = Kind::new(table, residency, settings);
         Ok(Self {
             images: PreparedImages::new(context, name, kind)?,
-            pass: PreintegratePass::new(),
+            pass: PreintegratePass::default(),
             stale: true,
         })
     }

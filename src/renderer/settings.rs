@@ -183,19 +183,24 @@ impl Settings {
         self.labels.as_ref().filter(|labels| labels.hide_some())
     }
 
-    /// True when the light volume of `self` is still right under `other`, given equal levels.
-    pub(super) fn same_light(&self, other: &Self) -> bool {
+    /// True when rays of light gather the same under `other`, given the same data.
+    pub(super) fn same_light_rays(&self, other: &Self) -> bool {
         // The bias is added when light is used; everything else goes into the volume.
         let traced = |ao: &Option<AmbientOcclusion>| {
             ao.clone().map(|ao| AmbientOcclusion { bias: 0.0, ..ao })
         };
+        traced(&self.ambient_occlusion) == traced(&other.ambient_occlusion)
+            && self.curve == other.curve
+    }
+
+    /// True when the light volume of `self` is still right under `other`, given equal levels.
+    pub(super) fn same_light(&self, other: &Self) -> bool {
         let same_labels = match (self.hiding(), other.hiding()) {
             (Some(one), Some(other)) => one.hide_the_same(other),
             (one, other) => one.is_none() && other.is_none(),
         };
         same_labels
-            && traced(&self.ambient_occlusion) == traced(&other.ambient_occlusion)
-            && self.curve == other.curve
+            && self.same_light_rays(other)
             && self.march.inter_block_interpolation == other.march.inter_block_interpolation
     }
 }

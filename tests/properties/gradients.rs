@@ -2,11 +2,10 @@
 
 use umbravox::embed::Settings;
 use umbravox::headless::Session;
-use umbravox::picture::Picture;
 use umbravox::scene::{Camera, Gradient, Shading};
 use umbravox::volume::{Volume, Voxels};
 
-use crate::sessions::{Subject, assert_valid, device, point, shown};
+use crate::sessions::{Subject, assert_valid, device, largest_difference, point, shown};
 
 const SIZE: [u32; 3] = [41, 37, 35];
 
@@ -55,11 +54,6 @@ fn kinds() -> [(&'static str, Voxels, f64); 3] {
 /// True when the last frame stored gradients.
 fn stores(session: &Session) -> bool {
     session.passes().iter().any(|pass| pass.name == "gradients")
-}
-
-fn largest_difference(one: &Picture, other: &Picture) -> f32 {
-    let pixels = one.rgba.iter().flatten().zip(other.rgba.iter().flatten());
-    pixels.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
 #[test]

@@ -5,7 +5,7 @@ use umbravox::picture::Picture;
 use umbravox::scene::{AmbientOcclusion, Camera, Interpolation, RayProjection, Shading};
 use umbravox::volume::{Volume, Voxels};
 
-use crate::sessions::{Subject, assert_valid, device, point, shown};
+use crate::sessions::{Subject, assert_valid, device, largest_difference, point, shown};
 
 // No edge is a whole number of texels.
 const SIZE: [u32; 3] = [41, 34, 37];
@@ -62,11 +62,6 @@ fn first(subject: &Subject, device: &Headless) -> (Picture, bool) {
     let mut session = subject.session(device);
     let picture = session.frame().unwrap();
     (picture, packs(&mut session))
-}
-
-fn largest_difference(one: &Picture, other: &Picture) -> f32 {
-    let pixels = one.rgba.iter().flatten().zip(other.rgba.iter().flatten());
-    pixels.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
 #[test]

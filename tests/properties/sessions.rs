@@ -71,3 +71,9 @@ impl Subject {
 pub(crate) fn shown(picture: &Picture) -> f64 {
     picture.rgba.iter().map(|p| f64::from(p[3])).sum()
 }
+
+/// Of one channel of one pixel.
+pub(crate) fn largest_difference(one: &Picture, other: &Picture) -> f32 {
+    let pixels = one.rgba.iter().flatten().zip(other.rgba.iter().flatten());
+    pixels.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}

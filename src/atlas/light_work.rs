@@ -157,7 +157,7 @@ impl GroupFinder<'_> {
                     let group = [x, y, z];
                     let mut samples = self.lit_samples(block, intervals, group);
                     let border = border_samples(intervals, group);
-                    if !shared && border != 0 && self.is_near_visible(block, intervals, group) {
+                    if !shared && border != 0 && self.is_near_visible(block, level, group) {
                         samples |= border;
                     }
                     let packed = x | y << 8 | z << 16;
@@ -227,18 +227,22 @@ impl GroupFinder<'_> {
         samples_where(intervals, group, |sample| any_between(sample, sample))
     }
 
-    /// True when a visible skip cell lies where the samples of a group have weight.
-    fn is_near_visible(&self, block: usize, intervals: [u32; 3], group: [u32; 3]) -> bool {
+    /// True when a visible skip cell lies where the samples of a group have weight, or have in a neighbour of this level: samples of
+    /// the last block of an axis may lie nearer to each other than those that they share a border with.
+    fn is_near_visible(&self, block: usize, level: u8, group: [u32; 3]) -> bool {
         let base = self.grid.origin_ix(block);
         let cells = self.grid.cells(block);
+        let intervals = self.grid.intervals(block, level);
+        let reach = f64::from(BLOCK_CELLS >> level);
         let ranges: [std::ops::Range<u32>; 3] = std::array::from_fn(|a| {
             let stride = f64::from(cells[a]) / f64::from(intervals[a]);
-            let first = f64::from(group[a] * GROUP) - 1.0;
-            let last = f64::from((group[a] * GROUP + GROUP - 1).min(intervals[a])) + 1.0;
-            let at = |sample: f64| (f64::from(base[a]) + sample * stride) / f64::from(SKIP_CELLS);
+            let [first, last] = [0, GROUP - 1].map(|s| (group[a] * GROUP + s).min(intervals[a]));
+            let at = |sample: u32, beyond: f64| {
+                (f64::from(base[a]) + f64::from(sample) * stride + beyond) / f64::from(SKIP_CELLS)
+            };
             // Rounding of the stride must not lose a cell.
-            let low = (at(first) - 1e-9).floor().max(0.0) as u32;
-            let high = (at(last) + 1e-9).ceil() as u32;
+            let low = (at(first, -reach) - 1e-9).floor().max(0.0) as u32;
+            let high = (at(last, reach) + 1e-9).ceil() as u32;
             low..high.min(self.occupancy.counts[a])
         });
         let [width, height, _] = self.occupancy.counts.map(|n| n as usize);
@@ -285,3 +289,168 @@ fn place_on_border(intervals: [u32; 3], sample: [u32; 3]) -> usize {
 }
 
 const _: () = assert!(BLOCK_CELLS / GROUP < 256, "a group coordinate fits 8 bits");
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::atlas::Store;
+    use crate::volume::blocks::Levels;
+    use crate::volume::select::{Classify, Selection};
+    use crate::volume::visible_ranges::VisibleRanges;
+    use crate::volume::{Volume, Voxels};
+
+    struct AboveHalf;
+
+    impl Classify for AboveHalf {
+        fn premultiplied(&self, value: f64) -> [f32; 7] {
+            [if value > 127.0 { 1.0 } else { 0.0 }; 7]
+        }
+
+        fn visible(&self, [_, high]: [f64; 2]) -> bool {
+            high > 127.0
+        }
+    }
+
+    /// A sample that a brick takes over is computed or taken over by the brick that it comes from, wherever something visible is
+    /// nearer to it than the next sample; whatever the levels, and where the last blocks of the axes are narrow.
+    #[test]
+    fn what_is_taken_over_is_computed() {
+        let mut state = 7u32;
+        let mut random = move |below: u32| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) % below
+        };
+        let mut checked = 0;
+        for _ in 0..40 {
+            let size = [0; 3].map(|_| 18 + random(18));
+            let mut voxels = vec![0; size.iter().product::<u32>() as usize];
+            for _ in 0..1 + random(4) {
+                voxels[random(size.iter().product()) as usize] = 255;
+            }
+            let volume = Volume::axis_aligned(Voxels::U8(voxels), size, [1.0; 3]).unwrap();
+            let store = Store::new(Arc::new(volume)).unwrap();
+            let grid = store.grid();
+            let by_block = (0..grid.len()).map(|_| (random(8) > 0).then(|| random(5) as u8));
+            let selection = Selection {
+                levels: Levels {
+                    by_block: by_block.collect(),
+                },
+                data_reduction: 1.0,
+                by_level: [0; LEVELS],
+                error: 0.0,
+                dropped: 0,
+            };
+            let residency = Residency::new(&store, selection, 4096).unwrap();
+            if residency.layout.is_grid() {
+                continue;
+            }
+            // Bricks hold means; what is visible of them decides, cell by cell.
+            let shown = VisibleRanges::new(&store.volume, &AboveHalf);
+            let cells = residency.cells.occupancy(|stored| shown.visible(stored));
+            let occupancy = Occupancy {
+                counts: residency.cells.counts(),
+                cells: &cells,
+                widened: false,
+            };
+            let lit = LitVoxels::new(&store, &residency, &shown, &occupancy, [0; 3]).unwrap();
+            let work = LightWork::new(grid, &residency, &occupancy, &lit);
+            checked += check(grid, &residency, &occupancy, &work);
+        }
+        assert!(checked > 1000, "{checked} samples");
+    }
+
+    /// Checks every sample taken over that something visible is near to, and counts them.
+    fn check(
+        grid: &BlockGrid,
+        residency: &Residency,
+        occupancy: &Occupancy<'_>,
+        work: &LightWork,
+    ) -> usize {
+        let mut listed = std::collections::BTreeSet::new();
+        for entry in work.trace.iter().chain(&work.seam) {
+            for sample in samples_of(entry) {
+                listed.insert((work.blocks[entry[0] as usize], sample));
+            }
+        }
+        let level = |block: usize| residency.selection.levels.by_block[block];
+        let mut checked = 0;
+        for entry in &work.seam {
+            let block = work.blocks[entry[0] as usize];
+            let own = level(block).unwrap();
+            let spacing = |block: usize, a: usize| {
+                let intervals = grid.intervals(block, level(block).unwrap());
+                f64::from(grid.cells(block)[a]) / f64::from(intervals[a])
+            };
+            for sample in samples_of(entry) {
+                let at: [f64; 3] = std::array::from_fn(|a| {
+                    f64::from(grid.origin_ix(block)[a]) + f64::from(sample[a]) * spacing(block, a)
+                });
+                let near = (0..cells_of(occupancy)).any(|cell| {
+                    occupancy.cells[cell] != 0 && {
+                        let place = cell_position(occupancy, cell);
+                        (0..3).all(|a| {
+                            let low = f64::from(place[a] * SKIP_CELLS);
+                            let high = low + f64::from(SKIP_CELLS);
+                            at[a] + spacing(block, a) > low && at[a] - spacing(block, a) < high
+                        })
+                    }
+                });
+                if !near {
+                    continue;
+                }
+                // Whose closed boxes contain it: the coarsest level, and of that the last.
+                let mut from: Option<(u8, usize)> = None;
+                for other in 0..grid.len() {
+                    let Some(other_level) = level(other) else {
+                        continue;
+                    };
+                    let inside = (0..3).all(|a| {
+                        let low = f64::from(grid.origin_ix(other)[a]);
+                        (low..=low + f64::from(grid.cells(other)[a])).contains(&at[a])
+                    });
+                    if inside && from.is_none_or(|(coarsest, _)| other_level <= coarsest) {
+                        from = Some((other_level, other));
+                    }
+                }
+                let (from_level, from) = from.unwrap();
+                assert!(from != block && from_level <= own, "{at:?}");
+                // Those between which it lies there.
+                let between: [[u32; 2]; 3] = std::array::from_fn(|a| {
+                    let place = (at[a] - f64::from(grid.origin_ix(from)[a])) / spacing(from, a);
+                    [(place + 1e-6).floor() as u32, (place - 1e-6).ceil() as u32]
+                });
+                for corner in 0..8 {
+                    let there = std::array::from_fn(|a| between[a][corner >> a & 1]);
+                    assert!(
+                        listed.contains(&(from, there)),
+                        "sample {sample:?} of block {block} at {at:?}, level {own}: block {from}, level {from_level}, does not list {there:?}"
+                    );
+                    checked += 1;
+                }
+            }
+        }
+        checked
+    }
+
+    fn samples_of(entry: &WorkEntry) -> impl Iterator<Item = [u32; 3]> {
+        let (group, samples) = LightWork::group(entry);
+        (0..GROUP.pow(3))
+            .filter(move |bit| samples >> bit & 1 != 0)
+            .map(move |bit| {
+                let inside = [bit % GROUP, bit / GROUP % GROUP, bit / GROUP.pow(2)];
+                std::array::from_fn(|a| group[a] * GROUP + inside[a])
+            })
+    }
+
+    fn cells_of(occupancy: &Occupancy<'_>) -> usize {
+        occupancy.cells.len()
+    }
+
+    fn cell_position(occupancy: &Occupancy<'_>, cell: usize) -> [u32; 3] {
+        let [width, height, _] = occupancy.counts;
+        let cell = cell as u32;
+        [cell % width, cell / width % height, cell / (width * height)]
+    }
+}

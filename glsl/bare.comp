@@ -8,6 +8,7 @@
 #include "params.glsl"
 #include "classify.glsl"
 #include "ray.glsl"
+#include "deal.glsl"
 #include "lanes.glsl"
 #include "packed_cells.glsl"
 

@@ -6,6 +6,7 @@
 
 #include "bindings.glsl"
 #include "structs.glsl"
+#include "deal.glsl"
 #include "volume.glsl"
 #include "classify.glsl"
 #include "light_work.glsl"
@@ -21,7 +22,7 @@ void main() {
     if (gl_WorkGroupID.x >= push.count) {
         return;
     }
-    uvec4 entry = work[push.first + gl_WorkGroupID.x];
+    uvec4 entry = work[push.first + dealt(gl_WorkGroupID.x, push.count)];
     if (!has_sample(entry, gl_LocalInvocationIndex)) {
         return;
     }

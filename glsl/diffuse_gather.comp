@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // What every point scatters towards the eye of a fluence that is known with its flux (diffusion) or alone (zones). One invocation a
 // point.
 

@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Half a step of successive over-relaxation, for points of one colour of a chessboard: the fluence at which as much light flows into
 // each cell as is lost there. Marshak's condition on the border. One invocation a point.
 

@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // What the lights scatter for the first time and what is emitted, with its first moment: the source of diffusion. One invocation a
 // point.
 

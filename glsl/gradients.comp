@@ -1,9 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Estimates of the gradient at voxels, for the chunks of 16^3 voxels of a list: one workgroup for 4^3 voxels, 64 for a chunk.
 
 #include "bindings.glsl"
 #include "structs.glsl"
+#include "deal.glsl"
 #include "volume.glsl"
 #include "reconstruct.glsl"
 #include "gradient.glsl"
@@ -33,7 +35,7 @@ void main() {
     }
     int group = int(gl_WorkGroupID.y);
     ivec3 within = 4 * ivec3(group % 4, group / 4 % 4, group / 16) + ivec3(gl_LocalInvocationID);
-    ivec3 voxel = CHUNK * chunks[push.first + gl_WorkGroupID.x].xyz + within;
+    ivec3 voxel = CHUNK * chunks[push.first + dealt(gl_WorkGroupID.x, push.count)].xyz + within;
     if (any(greaterThan(voxel, ivec3(volume.field_ix)))) {
         return;
     }

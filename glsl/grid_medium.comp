@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Averages the medium over the cells of the grid of scattered light. One invocation a point.
 
 #include "bindings.glsl"

@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_image_load_formatted : require
 // Surfaces of equal value, opaque or not, front to back. A surface is met where the field changes sides of its value between the
 // ends of a segment; where exactly is found by bisection.

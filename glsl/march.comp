@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_image_load_formatted : require
 // Front-to-back march of the bricked volume into a target image. One invocation a pixel.
 
@@ -77,11 +78,30 @@ void main() {
     Ray ray = frame_ray(px);
     float shift = frame_shift(px);
     Accumulated acc = nothing();
+    // The last segment is shorter and comes by itself after the loops, so that they need no power function.
+    uint count = segment_count(ray, shift);
+    uint whole = count - min(count, 1u);
     if (CLASSIFICATION == PREINTEGRATED) {
-        march_ends(acc, ray, shift);
+        march_ends(acc, ray, whole, count, shift);
     } else {
-        march_middles(acc, ray, shift);
+        march_middles(acc, ray, whole, count, shift);
     }
-    float last = XRAY ? acc.optical_depth : expected_depth(acc);
-    frame_store(px, vec4(acc.radiance, acc.opacity), vec4(acc.depth_mm, float(acc.samples), acc.median_mm, last));
+    if (count > 0u && acc.opacity < frame.early_termination) {
+        Segment last = segment_of(whole, count, ray.extent, shift);
+        Brick b;
+        Classified c;
+        bool sampled = true;
+        if (CLASSIFICATION == PREINTEGRATED) {
+            c = classify_last_between(ray, count, shift, last, b);
+        } else {
+            b = brick_at(ray_position(ray, last.middle, volume.field_ix));
+            c = classify_middle(ray, b, last, true);
+            sampled = b.resident;
+        }
+        if (sampled) {
+            add_segment(acc, ray, b, last, c);
+        }
+    }
+    float depth = XRAY ? acc.optical_depth : expected_depth(acc);
+    frame_store(px, vec4(acc.radiance, acc.opacity), vec4(acc.depth_mm, float(acc.samples), acc.median_mm, depth));
 }

@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Gathers the light of all direction bins that every point scatters towards the eye. One invocation a point.
 
 #include "bindings.glsl"

@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Redistributes the light of all direction bins by the phase function, adds what comes straight from the lights and what is
 // emitted, and finds how much changed. One invocation a point.
 

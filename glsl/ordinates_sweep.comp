@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Propagates the light of every direction bin by one layer of points: from where its direction comes from in the layer before,
 // attenuated and added to on the way (short characteristics). Invocations: a point of a layer and a bin.
 

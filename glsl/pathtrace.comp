@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_image_load_formatted : require
 // Multiple scattering by Monte Carlo: one more path from every pixel, traced against the light, added to those before.
 

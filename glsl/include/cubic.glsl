@@ -27,25 +27,33 @@ Taps taps_single(vec4 w) {
     return Taps(vec4(-1.0, 0.0, 1.0, 2.0), w, 4);
 }
 
-// `f`: position in the cell, [0, 1].
-Taps bspline_taps(float f) {
+// Weights of the four samples; `f`: position in the cell, [0, 1].
+vec4 bspline_weights(float f) {
     float g = 1.0 - f;
-    return taps_paired(vec4(g * g * g, 4.0 + f * f * (3.0 * f - 6.0), 4.0 + g * g * (3.0 * g - 6.0), f * f * f) / 6.0);
+    return vec4(g * g * g, 4.0 + f * f * (3.0 * f - 6.0), 4.0 + g * g * (3.0 * g - 6.0), f * f * f) / 6.0;
 }
 
-Taps bspline_derivative_taps(float f) {
+vec4 bspline_derivative_weights(float f) {
     float g = 1.0 - f;
-    return taps_paired(vec4(-0.5 * g * g, f * (1.5 * f - 2.0), g * (2.0 - 1.5 * g), 0.5 * f * f));
+    return vec4(-0.5 * g * g, f * (1.5 * f - 2.0), g * (2.0 - 1.5 * g), 0.5 * f * f);
 }
 
-Taps catmull_rom_taps(float f) {
+vec4 catmull_rom_weights(float f) {
     float g = 1.0 - f;
-    return taps_around(vec4(-0.5 * f * g * g, 1.0 + f * f * (1.5 * f - 2.5), 1.0 + g * g * (1.5 * g - 2.5), -0.5 * g * f * f));
+    return vec4(-0.5 * f * g * g, 1.0 + f * f * (1.5 * f - 2.5), 1.0 + g * g * (1.5 * g - 2.5), -0.5 * g * f * f);
 }
 
-Taps catmull_rom_derivative_taps(float f) {
+vec4 catmull_rom_derivative_weights(float f) {
     float g = 1.0 - f;
-    return taps_single(vec4(-0.5 * g * (1.0 - 3.0 * f), f * (4.5 * f - 5.0), g * (5.0 - 4.5 * g), 0.5 * f * (1.0 - 3.0 * g)));
+    return vec4(-0.5 * g * (1.0 - 3.0 * f), f * (4.5 * f - 5.0), g * (5.0 - 4.5 * g), 0.5 * f * (1.0 - 3.0 * g));
+}
+
+// Of the kernel or of its derivative.
+Taps cubic_taps(bool catmull_rom, float f, bool derivative) {
+    if (catmull_rom) {
+        return derivative ? taps_single(catmull_rom_derivative_weights(f)) : taps_around(catmull_rom_weights(f));
+    }
+    return taps_paired(derivative ? bspline_derivative_weights(f) : bspline_weights(f));
 }
 
 // Sum of a separable kernel over the taps of the three axes. `cell`: first sample of the cell.
@@ -63,39 +71,25 @@ float separable(Brick b, vec3 cell, Taps x, Taps y, Taps z) {
     return sum;
 }
 
-float bspline_value(Brick b, vec3 local) {
+float cubic_value(bool catmull_rom, Brick b, vec3 local) {
     vec3 cell = floor(local);
     vec3 f = local - cell;
-    return separable(b, cell, bspline_taps(f.x), bspline_taps(f.y), bspline_taps(f.z));
-}
-
-float catmull_rom_value(Brick b, vec3 local) {
-    vec3 cell = floor(local);
-    vec3 f = local - cell;
-    return separable(b, cell, catmull_rom_taps(f.x), catmull_rom_taps(f.y), catmull_rom_taps(f.z));
+    Taps x = cubic_taps(catmull_rom, f.x, false);
+    Taps y = cubic_taps(catmull_rom, f.y, false);
+    Taps z = cubic_taps(catmull_rom, f.z, false);
+    return separable(b, cell, x, y, z);
 }
 
 // Derivatives, per index unit.
-vec3 bspline_gradient_ix(Brick b, vec3 local) {
+vec3 cubic_gradient_ix(bool catmull_rom, Brick b, vec3 local) {
     vec3 cell = floor(local);
     vec3 f = local - cell;
-    Taps x = bspline_taps(f.x);
-    Taps y = bspline_taps(f.y);
-    Taps z = bspline_taps(f.z);
-    return b.scale * vec3(
-        separable(b, cell, bspline_derivative_taps(f.x), y, z),
-        separable(b, cell, x, bspline_derivative_taps(f.y), z),
-        separable(b, cell, x, y, bspline_derivative_taps(f.z)));
-}
-
-vec3 catmull_rom_gradient_ix(Brick b, vec3 local) {
-    vec3 cell = floor(local);
-    vec3 f = local - cell;
-    Taps x = catmull_rom_taps(f.x);
-    Taps y = catmull_rom_taps(f.y);
-    Taps z = catmull_rom_taps(f.z);
-    return b.scale * vec3(
-        separable(b, cell, catmull_rom_derivative_taps(f.x), y, z),
-        separable(b, cell, x, catmull_rom_derivative_taps(f.y), z),
-        separable(b, cell, x, y, catmull_rom_derivative_taps(f.z)));
+    vec3 gradient;
+    [[unroll]] for (int axis = 0; axis < 3; ++axis) {
+        Taps x = cubic_taps(catmull_rom, f.x, axis == 0);
+        Taps y = cubic_taps(catmull_rom, f.y, axis == 1);
+        Taps z = cubic_taps(catmull_rom, f.z, axis == 2);
+        gradient[axis] = separable(b, cell, x, y, z);
+    }
+    return b.scale * gradient;
 }

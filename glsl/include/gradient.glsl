@@ -32,9 +32,12 @@ float central_difference(Brick b, vec3 p_ix, vec3 axis) {
 }
 
 float four_point_difference(Brick b, vec3 p_ix, vec3 axis) {
-    float near = field_linear(b, p_ix + axis) - field_linear(b, p_ix - axis);
-    float far = field_linear(b, p_ix + 2.0 * axis) - field_linear(b, p_ix - 2.0 * axis);
-    return (8.0 * near - far) / 12.0;
+    float sum = 0.0;
+    [[unroll]] for (int n = 1; n <= 2; ++n) {
+        vec3 offset = float(n) * axis;
+        sum += (n == 1 ? 8.0 : -1.0) * (field_linear(b, p_ix + offset) - field_linear(b, p_ix - offset));
+    }
+    return sum / 12.0;
 }
 
 // Differences over the 26 neighbours; `weights` of those that differ on one, two and three axes.
@@ -55,21 +58,26 @@ const vec3 REGRESSION = vec3(1.0, 0.707106781, 0.577350269) / 12.275656;
 const vec3 SOBEL = vec3(0.125, 0.0625, 0.03125);
 
 // In units of texture samples per index unit.
+//
+// Each estimator is called in one place: drivers inline every call before they drop what a variant does not use.
 vec3 estimated_gradient_ix(Brick b, vec3 p_ix) {
-    switch (GRADIENT) {
-    case 1u:
-        return vec3(
-            four_point_difference(b, p_ix, vec3(1.0, 0.0, 0.0)),
-            four_point_difference(b, p_ix, vec3(0.0, 1.0, 0.0)),
-            four_point_difference(b, p_ix, vec3(0.0, 0.0, 1.0)));
-    case 2u: return neighborhood_gradient_ix(b, p_ix, REGRESSION);
-    case 3u: return neighborhood_gradient_ix(b, p_ix, SOBEL);
-    case 4u: return bspline_gradient_ix(b, brick_local(b, p_ix));
-    case 5u: return catmull_rom_gradient_ix(b, brick_local(b, p_ix));
-    default:
-        return vec3(
-            central_difference(b, p_ix, vec3(1.0, 0.0, 0.0)),
-            central_difference(b, p_ix, vec3(0.0, 1.0, 0.0)),
-            central_difference(b, p_ix, vec3(0.0, 0.0, 1.0)));
+    // (Mesa takes a selection between constant vectors by specialization for one between their first components.)
+    vec3 weights = SOBEL;
+    if (GRADIENT == 2u) {
+        weights = REGRESSION;
     }
+    switch (GRADIENT) {
+    case 2u:
+    case 3u:
+        return neighborhood_gradient_ix(b, p_ix, weights);
+    case 4u:
+    case 5u:
+        return cubic_gradient_ix(GRADIENT == 5u, b, brick_local(b, p_ix));
+    }
+    vec3 gradient;
+    [[unroll]] for (int a = 0; a < 3; ++a) {
+        vec3 axis = vec3(equal(ivec3(a), ivec3(0, 1, 2)));
+        gradient[a] = GRADIENT == 1u ? four_point_difference(b, p_ix, axis) : central_difference(b, p_ix, axis);
+    }
+    return gradient;
 }

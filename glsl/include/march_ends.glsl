@@ -22,10 +22,8 @@ Classified classify_between(Ray ray, Node front, Node back, uint i, uint count, 
     return c;
 }
 
-// Segments sampled at their ends, and integrated between.
-void march_ends(inout Accumulated acc, Ray ray, float shift) {
-    uint count = segment_count(ray, shift);
-    uint whole = count - min(count, 1u);
+// The first `whole` of `count` segments, sampled at their ends and integrated between.
+void march_ends(inout Accumulated acc, Ray ray, uint whole, uint count, float shift) {
     uint i = 0u;
     if (i < whole) {
         do {
@@ -49,7 +47,7 @@ void march_ends(inout Accumulated acc, Ray ray, float shift) {
                             front = back;
                         }
                     } while (more);
-                    Segment segment = segment_of(i, count, ray.extent, shift);
+                    Segment segment = inner_segment(i, shift);
                     c.opacity = JITTER ? opacity_over(c.opacity, segment.extent) : c.opacity;
                     Brick b = brick_near(ray_position(ray, segment.middle, volume.field_ix), back.brick);
                     add_segment(acc, ray, b, segment, c);
@@ -59,13 +57,16 @@ void march_ends(inout Accumulated acc, Ray ray, float shift) {
             }
         } while (i < whole && acc.opacity < frame.early_termination);
     }
-    if (count > 0u && acc.opacity < frame.early_termination) {
-        Segment last = segment_of(whole, count, ray.extent, shift);
-        vec3 front_ix = node_position(ray, whole, count, shift);
-        Node front = node_at(front_ix, brick_at(front_ix));
-        Node back = node_at(node_position(ray, count, count, shift), front.brick);
-        Classified c = classify_between(ray, front, back, whole, count, shift);
-        c.opacity = opacity_over(c.opacity, last.extent);
-        add_segment(acc, ray, brick_near(ray_position(ray, last.middle, volume.field_ix), back.brick), last, c);
-    }
+}
+
+// What the last segment shows, which is shorter. `middle`: the brick there.
+Classified classify_last_between(Ray ray, uint count, float shift, Segment last, out Brick middle) {
+    uint i = count - 1u;
+    vec3 front_ix = node_position(ray, i, count, shift);
+    Node front = node_at(front_ix, brick_at(front_ix));
+    Node back = node_at(node_position(ray, count, count, shift), front.brick);
+    middle = brick_near(ray_position(ray, last.middle, volume.field_ix), back.brick);
+    Classified c = classify_between(ray, front, back, i, count, shift);
+    c.opacity = opacity_over(c.opacity, last.extent);
+    return c;
 }

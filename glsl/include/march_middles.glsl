@@ -11,12 +11,9 @@ Classified classify_middle(Ray ray, Brick b, Segment segment, bool shorter) {
     return c;
 }
 
-// Segments sampled at their middles.
-void march_middles(inout Accumulated acc, Ray ray, float shift) {
-    uint count = segment_count(ray, shift);
-    // The last segment is shorter and comes by itself after the loop, so that the loop needs no power function. Jittered
-    // rays have a shorter first one too and take the exact path throughout.
-    uint whole = count - min(count, 1u);
+// The first `whole` of `count` segments, sampled at their middles. Jittered rays have a shorter first one too and take the exact
+// path throughout.
+void march_middles(inout Accumulated acc, Ray ray, uint whole, uint count, float shift) {
     Heading heading = heading_of(ray.step_ix);
     uint i = 0u;
     if (i < whole) {
@@ -26,7 +23,7 @@ void march_middles(inout Accumulated acc, Ray ray, float shift) {
             bool empty;
             uint run_end;
             do {
-                p_ix = ray_position(ray, segment_of(i, count, ray.extent, shift).middle, volume.field_ix);
+                p_ix = ray_position(ray, inner_segment(i, shift).middle, volume.field_ix);
                 Region region = region_at(p_ix, block_of(p_ix), heading);
                 run_end = min(i + run_length(region, p_ix, heading), whole);
                 empty = region.empty;
@@ -40,7 +37,7 @@ void march_middles(inout Accumulated acc, Ray ray, float shift) {
                     Classified c;
                     bool more;
                     do {
-                        segment = segment_of(i, count, ray.extent, shift);
+                        segment = inner_segment(i, shift);
                         c = classify_middle(ray, b, segment, JITTER);
                         more = is_searched() && c.opacity == 0.0 && i + 1u < run_end;
                         acc.samples += uint(more);
@@ -51,12 +48,5 @@ void march_middles(inout Accumulated acc, Ray ray, float shift) {
                 } while (i < run_end && acc.opacity < frame.early_termination);
             }
         } while (i < whole && acc.opacity < frame.early_termination);
-    }
-    if (count > 0u && acc.opacity < frame.early_termination) {
-        Segment last = segment_of(count - 1u, count, ray.extent, shift);
-        Brick b = brick_at(ray_position(ray, last.middle, volume.field_ix));
-        if (b.resident) {
-            add_segment(acc, ray, b, last, classify_middle(ray, b, last, true));
-        }
     }
 }

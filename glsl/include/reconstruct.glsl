@@ -68,8 +68,8 @@ float reconstruct(Brick b, vec3 p_ix) {
     vec3 local = brick_local(b, p_ix);
     switch (INTERPOLATION) {
     case 0u: return atlas_texel(ivec3(b.origin_at + floor(local + 0.5)));
-    case 2u: return bspline_value(b, local);
-    case 3u: return catmull_rom_value(b, local);
+    case 2u:
+    case 3u: return cubic_value(INTERPOLATION == 3u, b, local);
     default: return reconstruct_linear(b, local);
     }
 }

@@ -85,11 +85,27 @@ pub struct Capabilities {
     pub ids: [u32; 2],
     /// Rounds that all loops of one invocation may take together: llvmpipe ends loops silently after these.
     pub(crate) max_loop_rounds: Option<u32>,
+    /// Runs of consecutive workgroups that the driver cuts a dispatch into, one for each thread; 1 where threads take what comes next.
+    pub(crate) dispatch_runs: u32,
     pub(crate) features: vk::PhysicalDeviceFeatures,
 }
 
 /// `LP_MAX_TGSI_LOOP_ITERATIONS` of Mesa's gallivm: one counter for all loops of an invocation.
 const LLVMPIPE_LOOP_ROUNDS: u32 = 65_535;
+
+/// `LP_MAX_THREADS` of Mesa's llvmpipe.
+const LLVMPIPE_MAX_THREADS: u32 = 32;
+
+/// Threads that llvmpipe has: those of the processor, or what its environment variable says.
+fn llvmpipe_threads() -> u32 {
+    let asked = std::env::var("LP_NUM_THREADS").ok();
+    let threads = asked.and_then(|n| n.trim().parse().ok()).or_else(|| {
+        std::thread::available_parallelism()
+            .ok()
+            .map(|n| n.get() as u32)
+    });
+    threads.unwrap_or(1).clamp(1, LLVMPIPE_MAX_THREADS)
+}
 
 impl Capabilities {
     /// Reads them.
@@ -120,6 +136,7 @@ impl Capabilities {
                 .collect();
             String::from_utf8_lossy(&bytes).into_owned()
         };
+        let llvmpipe = driver.driver_id == vk::DriverId::MESA_LLVMPIPE;
         let bits = families
             .get(queue_family as usize)
             .map_or(0, |f| f.timestamp_valid_bits);
@@ -146,8 +163,8 @@ impl Capabilities {
             } else {
                 (1 << bits) - 1
             },
-            max_loop_rounds: (driver.driver_id == vk::DriverId::MESA_LLVMPIPE)
-                .then_some(LLVMPIPE_LOOP_ROUNDS),
+            max_loop_rounds: llvmpipe.then_some(LLVMPIPE_LOOP_ROUNDS),
+            dispatch_runs: if llvmpipe { llvmpipe_threads() } else { 1 },
             cache_uuid: properties.pipeline_cache_uuid,
             ids: [properties.vendor_id, properties.device_id],
             features,

@@ -30,7 +30,7 @@ pub(crate) struct Variants {
 }
 
 impl Variants {
-    /// The pipeline of `interface` specialized by (id, value) pairs; those that it does not have are left out.
+    /// The pipeline of `interface` specialized by (id, value) pairs and what the device decides; ids it does not have are left out.
     pub(crate) fn get(
         &mut self,
         context: &Arc<Context>,
@@ -39,6 +39,10 @@ impl Variants {
     ) -> Result<&Pipeline> {
         use std::collections::btree_map::Entry;
         let mut constants = constants;
+        constants.push((
+            crate::shader::generated::SPEC_RUNS,
+            context.capabilities().dispatch_runs,
+        ));
         constants.retain(|(id, _)| interface.spec_ids.contains(id));
         match self.pipelines.entry((interface.module.name, constants)) {
             Entry::Occupied(there) => Ok(there.into_mut()),

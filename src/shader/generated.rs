@@ -426,3 +426,5 @@ pub const SPEC_STORED_GRADIENTS: u32 = 29;
 pub const SPEC_PACKED_CELLS: u32 = 30;
 
 pub const SPEC_GROWTH: u32 = 31;
+
+pub const SPEC_RUNS: u32 = 32;

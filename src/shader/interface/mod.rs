@@ -160,6 +160,7 @@ const MARCH_SPEC_IDS: &[u32] = &[
     SPEC_DATA_COLOR,
     SPEC_STORED_GRADIENTS,
     SPEC_PACKED_CELLS,
+    SPEC_RUNS,
 ];
 
 const fn march_bindings(target: Access) -> [Binding; 17] {
@@ -214,6 +215,7 @@ const EXTREMUM_SPEC_IDS: &[u32] = &[
     SPEC_PROJECTION,
     SPEC_LABELS,
     SPEC_PACKED_CELLS,
+    SPEC_RUNS,
 ];
 
 const fn extremum_bindings(target: Access) -> [Binding; 12] {
@@ -264,6 +266,7 @@ const ISOSURFACE_SPEC_IDS: &[u32] = &[
     SPEC_LABELS,
     SPEC_STORED_GRADIENTS,
     SPEC_PACKED_CELLS,
+    SPEC_RUNS,
 ];
 
 const fn isosurface_bindings(target: Access) -> [Binding; 14] {
@@ -319,6 +322,7 @@ pub const GRADIENTS: PassInterface = PassInterface {
         SPEC_UNIFORM_GRID,
         SPEC_GRADIENT,
         SPEC_PACKED_CELLS,
+        SPEC_RUNS,
     ],
     local_size: [4, 4, 4],
 };
@@ -377,6 +381,7 @@ pub const LIGHT_TRACE: PassInterface = PassInterface {
         SPEC_COUNT,
         SPEC_PACKED_CELLS,
         SPEC_GROWTH,
+        SPEC_RUNS,
     ],
     local_size: [4, 4, 4],
 };
@@ -392,7 +397,7 @@ pub const LIGHT_SEAM: PassInterface = PassInterface {
         storage_image(BINDING_LIGHT_STORE, Access::ReadWrite),
     ],
     push_constants: Some(PartPush::LAYOUT),
-    spec_ids: &[SPEC_UNIFORM_GRID],
+    spec_ids: &[SPEC_UNIFORM_GRID, SPEC_RUNS],
     local_size: [4, 4, 4],
 };
 
@@ -408,7 +413,7 @@ pub const BARE: PassInterface = PassInterface {
         sampled(BINDING_PACKED_CELLS),
     ],
     push_constants: Some(BarePush::LAYOUT),
-    spec_ids: &[SPEC_EMISSION, SPEC_EXACT_BINS, SPEC_PACKED_CELLS],
+    spec_ids: &[SPEC_EMISSION, SPEC_EXACT_BINS, SPEC_PACKED_CELLS, SPEC_RUNS],
     local_size: [8, 8, 1],
 };
 
@@ -430,6 +435,7 @@ pub const BARE_LIGHT: PassInterface = PassInterface {
         SPEC_UNIFORM_GRID,
         SPEC_EXACT_BINS,
         SPEC_PACKED_CELLS,
+        SPEC_RUNS,
     ],
     local_size: [4, 4, 4],
 };

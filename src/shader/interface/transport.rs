@@ -31,6 +31,7 @@ const TRANSPORT_SPEC_IDS: &[u32] = &[
     SPEC_SCATTERED,
     SPEC_STORED_GRADIENTS,
     SPEC_PACKED_CELLS,
+    SPEC_RUNS,
 ];
 
 const fn transport_bindings(target: Access) -> [Binding; 19] {
@@ -90,6 +91,7 @@ const PATHTRACE_SPEC_IDS: &[u32] = &[
     SPEC_ENVIRONMENT,
     SPEC_GLOBAL_MAJORANT,
     SPEC_PACKED_CELLS,
+    SPEC_RUNS,
 ];
 
 const fn pathtrace_bindings(target: Access) -> [Binding; 19] {

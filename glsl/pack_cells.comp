@@ -9,7 +9,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(set = 0, binding = BINDING_ATLAS) uniform sampler3D t_atlas;
-layout(set = 0, binding = BINDING_PACKED_CELLS_STORE, rgba32ui) uniform writeonly uimage3D i_packed_cells;
+layout(set = 0, binding = BINDING_PACKED_CELLS_STORE, rgba32ui) uniform writeonly uimage3D i_store;
 layout(push_constant) uniform Push { PartPush push; };
 
 // Samples 3x .. 3x + 3 of a row; beyond the last of the atlas that one again, which has weight 0.
@@ -28,7 +28,7 @@ uint bytes_of(uvec4 row) {
 void main() {
     ivec3 last = textureSize(t_atlas, 0) - 1;
     ivec3 at = ivec3(gl_GlobalInvocationID) + ivec3(0, 0, int(push.first));
-    ivec3 end = imageSize(i_packed_cells);
+    ivec3 end = imageSize(i_store);
     if (any(greaterThanEqual(at, end))) {
         return;
     }
@@ -36,5 +36,5 @@ void main() {
     for (int j = 0; j <= CELLS_A_ROW; ++j) {
         texel[j] = bytes_of(row_at(at.x, CELLS_A_ROW * at.y + j, at.z, last));
     }
-    imageStore(i_packed_cells, at, texel);
+    imageStore(i_store, at, texel);
 }

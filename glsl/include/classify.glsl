@@ -3,10 +3,12 @@
 // Fetched, not filtered: a filter unit has 8 bits between entries.
 
 #include "optical_depth.glsl"
+#include "loads.glsl"
 
 layout(constant_id = SPEC_EMISSION) const bool EMISSION = false;
 
 layout(set = 0, binding = BINDING_TRANSFER) uniform sampler2D t_transfer;
+layout(set = 0, binding = BINDING_TRANSFER_LOADS, rgba32f) uniform readonly image2D i_transfer;
 
 struct Classified {
     vec3 color;     // linear, not premultiplied
@@ -39,7 +41,7 @@ int bin_of(float value, out float f) {
 }
 
 vec4 transfer_texel(int bin, int row) {
-    return texelFetch(t_transfer, ivec2(bin, row), 0);
+    return LOADS ? imageLoad(i_transfer, ivec2(bin, row)) : texelFetch(t_transfer, ivec2(bin, row), 0);
 }
 
 // For the march.

@@ -3,7 +3,7 @@
 
 layout(constant_id = SPEC_PACKED_CELLS) const bool PACKED_CELLS = false;
 
-layout(set = 0, binding = BINDING_PACKED_CELLS) uniform usampler3D t_packed_cells;
+layout(set = 0, binding = BINDING_PACKED_CELLS, rgba32ui) uniform readonly uimage3D i_packed_cells;
 
 // A texel holds samples of one slice: 3x .. 3x + 3 of the rows 3y .. 3y + 3, a row in a word. Neighbouring texels share samples, so
 // that the corners of every cell in the slice lie in one.
@@ -27,8 +27,8 @@ float packed_linear(vec3 at) {
     vec3 f = at - vec3(i);
     ivec2 texel = ivec2(third_of(i.x), third_of(i.y));
     ivec2 cell = i.xy - CELLS_A_ROW * texel;
-    vec4 near = corners_in(texelFetch(t_packed_cells, ivec3(texel, i.z), 0), cell);
-    vec4 far = corners_in(texelFetch(t_packed_cells, ivec3(texel, i.z + 1), 0), cell);
+    vec4 near = corners_in(imageLoad(i_packed_cells, ivec3(texel, i.z)), cell);
+    vec4 far = corners_in(imageLoad(i_packed_cells, ivec3(texel, i.z + 1)), cell);
     // Not mix(), which may miss the value that both ends have: flat places would have gradients.
     vec4 low = vec4(near.xy, far.xy);
     vec4 high = vec4(near.zw, far.zw);

@@ -4,6 +4,8 @@
 
 layout(set = 0, binding = BINDING_PREINTEGRATED) uniform sampler2D t_preintegrated;
 layout(set = 0, binding = BINDING_PREINTEGRATED_EMISSION) uniform sampler2D t_preintegrated_emission;
+layout(set = 0, binding = BINDING_PREINTEGRATED_LOADS, rgba32f) uniform readonly image2D i_preintegrated;
+layout(set = 0, binding = BINDING_PREINTEGRATED_EMISSION_LOADS, rgba32f) uniform readonly image2D i_preintegrated_emission;
 
 const int PLACE_ROW = 4;
 // Cells that each compressed end of an axis takes.
@@ -24,22 +26,29 @@ float table_place(float value) {
 
 // By hand: a texture unit's weights are too coarse, and a place on an entry must not see its neighbour, or empty space would not
 // be empty.
-// (A macro: reflection does not follow samplers into functions.)
-#define TABLE_BETWEEN(table, i, f) \
-    mix(mix(texelFetch(table, i, 0), texelFetch(table, i + ivec2(1, 0), 0), f.x), \
-        mix(texelFetch(table, i + ivec2(0, 1), 0), texelFetch(table, i + ivec2(1, 1), 0), f.x), f.y)
+// (A macro: reflection does not follow images into functions.)
+#define TABLE_BETWEEN(texel, i, f) \
+    mix(mix(texel(i), texel(i + ivec2(1, 0)), f.x), mix(texel(i + ivec2(0, 1)), texel(i + ivec2(1, 1)), f.x), f.y)
+
+vec4 table_texel(ivec2 i) {
+    return LOADS ? imageLoad(i_preintegrated, i) : texelFetch(t_preintegrated, i, 0);
+}
+
+vec4 table_emission_texel(ivec2 i) {
+    return LOADS ? imageLoad(i_preintegrated_emission, i) : texelFetch(t_preintegrated_emission, i, 0);
+}
 
 // A whole step from one value to another; places from table_place.
 Classified classify_step(float front, float back) {
     vec2 at = vec2(front, back);
     ivec2 i = ivec2(min(at, vec2(volume.table_end + TAIL_CELLS - 1.0)));
     vec2 f = at - vec2(i);
-    vec4 step = TABLE_BETWEEN(t_preintegrated, i, f);
+    vec4 step = TABLE_BETWEEN(table_texel, i, f);
     // The table holds associated colours, which is what can be interpolated.
     float per_opacity = step.a > 0.0 ? 1.0 / step.a : 0.0;
     Classified c = Classified(step.rgb * per_opacity, vec3(0.0), step.a);
     if (EMISSION) {
-        c.emission = TABLE_BETWEEN(t_preintegrated_emission, i, f).rgb * per_opacity;
+        c.emission = TABLE_BETWEEN(table_emission_texel, i, f).rgb * per_opacity;
     }
     return c;
 }

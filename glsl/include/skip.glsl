@@ -2,7 +2,10 @@
 
 layout(constant_id = SPEC_SKIPPING) const bool SKIPPING = true;
 
+#include "loads.glsl"
+
 layout(set = 0, binding = BINDING_SKIP) uniform usampler3D t_skip;
+layout(set = 0, binding = BINDING_SKIP_LOADS, r32ui) uniform readonly uimage3D i_skip;
 
 // A sample this close to a border (in steps, or in voxels on any axis) counts as beyond it and is looked up by itself,
 // so that rounding never takes a sample for one of the wrong side.
@@ -16,6 +19,10 @@ const float FAR_STEPS = 3.0e38;
 
 ivec3 skip_cell_of(vec3 p_ix) {
     return min(ivec3(p_ix) / SKIP_CELLS, volume.skip_extent - 1);
+}
+
+uint skip_word(ivec3 cell) {
+    return LOADS ? imageLoad(i_skip, cell).r : texelFetch(t_skip, cell, 0).r;
 }
 
 // What skipping needs to know of a ray's direction; the same all along the ray.
@@ -65,7 +72,7 @@ uint leap_from(uint word, uint shift) {
 uint leap_at(vec3 p_ix, uint shift) {
     uint leap = 0u;
     if (SKIPPING) {
-        leap = leap_from(texelFetch(t_skip, skip_cell_of(p_ix), 0).r, shift);
+        leap = leap_from(skip_word(skip_cell_of(p_ix)), shift);
     }
     return leap;
 }
@@ -100,7 +107,7 @@ Region region_at(vec3 p_ix, ivec3 block_bx, Heading h) {
     r.border_ix = border_of(block_bx, 1.0, float(BLOCK_CELLS), h);
     if (SKIPPING) {
         ivec3 cell = skip_cell_of(p_ix);
-        uint word = texelFetch(t_skip, cell, 0).r;
+        uint word = skip_word(cell);
         if (word != WHOLE_BLOCK) {
             uint leap = leap_from(word, h.shift);
             r.empty = leap > 0u;

@@ -20,10 +20,6 @@ struct VolumeParams {
     vec4 label_ix_from_ix_x;  // rows of an index of the label map from one of the volume
     vec4 label_ix_from_ix_y;
     vec4 label_ix_from_ix_z;
-    float gradient_zero;      // texel of no gradient
-    float pad0;
-    float pad1;
-    float pad2;
 };
 
 // What changes with the camera. A ray through pixel (px, py) starts at origin + px origin_dx + py origin_dy and goes

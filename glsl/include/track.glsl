@@ -45,7 +45,7 @@ float next_collision(inout Flight flight, inout Random random) {
         float ahead = flight.reach_mm - flight.at_mm;
         if (!is_global()) {
             ivec3 cell = skip_cell_of(p_ix);
-            uint leap = leap_from(texelFetch(t_skip, cell, 0).r, flight.heading.shift);
+            uint leap = leap_from(skip_word(cell), flight.heading.shift);
             majorant = leap > 0u ? 0.0 : max(texelFetch(t_majorant, cell, 0).r, medium.tracking.y);
             // To the border and, whatever the size of the numbers, a little beyond it.
             vec3 border = border_of(cell, float(max(leap, 1u)), float(SKIP_CELLS), flight.heading);

@@ -1,4 +1,4 @@
-//! The volume of gradients: estimates at voxels, which texture units interpolate.
+//! The volume of gradients: estimates at voxels, which texture units interpolate, or shaders where the device is a processor.
 //!
 //! One read in place of six and more for each shaded sample. It exists where the atlas is the volume itself and the memory budget has
 //! room for it; its values are computed on the device, and only around what can be seen.
@@ -18,15 +18,25 @@ use crate::volume::cells::SKIP_CELLS;
 /// Edge of what is computed together, voxels; the shader's `CHUNK`.
 pub(crate) const CHUNK: u32 = 16;
 
+/// What texels of gradients are, and who interpolates between them: the shaders' `STORED_GRADIENTS`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum GradientTexels {
+    /// Halves, the texture unit.
+    Filtered = 1,
+    /// Ten bits a component in a word, the shader.
+    TenBits = 2,
+    /// Halves, the shader.
+    Halves = 3,
+}
+
 /// How texels stand for gradients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Coding {
+    texels: GradientTexels,
     format: vk::Format,
     texel_bytes: u32,
     /// Texture samples per index unit that a texel counts.
     unit: f32,
-    /// Texel of no gradient.
-    zero: f32,
 }
 
 impl Coding {
@@ -34,20 +44,14 @@ impl Coding {
     fn of(context: &Context, store: &Store, estimator: Gradient) -> Option<Self> {
         let voxels = store.volume.voxels().voxel_type();
         let eight_bits = matches!(voxels, VoxelType::U8 | VoxelType::I8);
-        let ten_bits = vk::Format::A2B10G10R10_UNORM_PACK32;
-        if eight_bits
-            && context.capabilities().device_type == "cpu"
-            && estimator == Gradient::CentralDifferences
-            && context.can_store(ten_bits)
-            && context.filters_linearly(ten_bits)
-        {
+        let loads = context.capabilities().loads_texels;
+        if eight_bits && loads && estimator == Gradient::CentralDifferences {
             // Differences of two voxels are whole numbers of halves of a step of theirs, at most 510: all of them are exact.
-            // Texture units of GPUs may filter such texels with few more bits, and what that leaves of no gradient has a direction.
             return Some(Self {
-                format: ten_bits,
+                texels: GradientTexels::TenBits,
+                format: vk::Format::R32_UINT,
                 texel_bytes: 4,
-                unit: 1023.0 / 510.0,
-                zero: 512.0 / 1023.0,
+                unit: 1.0 / 510.0,
             });
         }
         // Numbers up to 1024 and a little, so that what is thousands of times smaller keeps its digits.
@@ -60,10 +64,14 @@ impl Coding {
         };
         let unit = if range == 0.0 { 1.0 } else { range / 1024.0 };
         unit.is_normal().then_some(Self {
+            texels: if loads {
+                GradientTexels::Halves
+            } else {
+                GradientTexels::Filtered
+            },
             format: vk::Format::R16G16B16A16_SFLOAT,
             texel_bytes: 8,
             unit,
-            zero: 0.0,
         })
     }
 }
@@ -140,9 +148,13 @@ impl GradientVolume {
         self.coding.texel_bytes
     }
 
-    /// What a texel counts, and the texel of no gradient.
-    pub(crate) fn decoding(&self) -> [f32; 2] {
-        [self.coding.unit, self.coding.zero]
+    /// Texture samples per index unit that a texel counts.
+    pub(crate) fn unit(&self) -> f32 {
+        self.coding.unit
+    }
+
+    pub(crate) fn texels(&self) -> GradientTexels {
+        self.coding.texels
     }
 
     /// Other places may be seen now.

@@ -26,6 +26,8 @@ pub(crate) struct Images {
     pub(crate) skip: Image,
     /// Corners of voxel cells, packed; what fills them decides when they can be read.
     pub(crate) packed_cells: Option<PackedCells>,
+    /// Stands in for those.
+    pub(crate) no_cells: Image,
     /// Colours of the data, where they are drawn.
     pub(crate) color: Option<ColorAtlas>,
     /// Transfer-function table.
@@ -96,6 +98,12 @@ impl Images {
             .transpose()?;
         Ok(Self {
             packed_cells: None,
+            no_cells: volume_image(
+                "no_cells",
+                [1; 3],
+                PackedCells::FORMAT,
+                vk::ImageUsageFlags::STORAGE,
+            )?,
             color,
             atlas: volume_image("atlas", extent, format, sampled)?,
             index: volume_image(
@@ -108,7 +116,7 @@ impl Images {
                 "skip",
                 residency.cells.counts(),
                 vk::Format::R32_UINT,
-                sampled,
+                sampled | vk::ImageUsageFlags::STORAGE,
             )?,
             transfer: Image::new(
                 context,
@@ -117,7 +125,7 @@ impl Images {
                     extent: [TransferTable::MAX_TEXELS, TransferTable::ROWS, 1],
                     format: vk::Format::R32G32B32A32_SFLOAT,
                     three_dimensional: false,
-                    usage: sampled,
+                    usage: sampled | vk::ImageUsageFlags::STORAGE,
                 },
             )?,
             light: volume_image(
@@ -160,6 +168,7 @@ impl Images {
         let images = [
             &self.atlas,
             &self.index,
+            &self.no_cells,
             &self.skip,
             &self.transfer,
             &self.light,

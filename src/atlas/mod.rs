@@ -23,7 +23,7 @@ mod visibility;
 
 pub(crate) use bins::Bins;
 pub(crate) use colors::{COLOR_TEXEL_BYTES, ColorAtlas};
-pub(crate) use gradients::{CHUNK as GRADIENT_CHUNK, GradientVolume};
+pub(crate) use gradients::{CHUNK as GRADIENT_CHUNK, GradientTexels, GradientVolume};
 pub(crate) use images::{Images, LIGHT_TEXEL_BYTES, LightLists, TableImages};
 pub(crate) use labels::LabelImages;
 pub(crate) use light_work::{GROUP, LightWork};

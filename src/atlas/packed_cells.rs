@@ -17,7 +17,6 @@ const CELLS_A_ROW: u32 = 3;
 /// Largest index whose texel the shader finds (`third_of`).
 const MAX_INDEX: u32 = 49151;
 
-const FORMAT: vk::Format = vk::Format::R32G32B32A32_UINT;
 const TEXEL_BYTES: u64 = 16;
 
 /// What packed corners would be like.
@@ -38,9 +37,9 @@ impl Packing {
     ) -> Option<Self> {
         let [width, height, depth] = residency.layout.extent();
         let voxels = store.volume.voxels().voxel_type();
-        if context.capabilities().device_type != "cpu"
+        if !context.capabilities().loads_texels
             || !matches!(voxels, VoxelType::U8 | VoxelType::I8)
-            || !context.can_store(FORMAT)
+            || !context.can_store(PackedCells::FORMAT)
             || width.max(height) > MAX_INDEX
             || depth >= context.capabilities().max_extent_3d
         {
@@ -67,6 +66,8 @@ pub(crate) struct PackedCells {
 }
 
 impl PackedCells {
+    pub(crate) const FORMAT: vk::Format = vk::Format::R32G32B32A32_UINT;
+
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
     pub(crate) fn new(context: &Arc<Context>, name: &str, packing: Packing) -> Result<Self> {
@@ -75,9 +76,9 @@ impl PackedCells {
             &ImageInfo {
                 name: &format!("{name}.cells"),
                 extent: packing.extent,
-                format: FORMAT,
+                format: Self::FORMAT,
                 three_dimensional: true,
-                usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::STORAGE,
+                usage: vk::ImageUsageFlags::STORAGE,
             },
         )?;
         Ok(Self {

@@ -129,13 +129,15 @@ impl Uploads {
             recorder.clear(&images.light);
             self.light_cleared = true;
         }
-        for image in [&images.atlas, &images.index, &images.skip, &images.transfer] {
+        for image in [&images.atlas, &images.index] {
             recorder.use_image(image, Access::SampledRead);
         }
         if let Some(color) = &images.color {
             recorder.use_image(&color.image, Access::SampledRead);
         }
-        recorder.use_image(&images.light, Access::SampledGeneral);
+        for image in [&images.skip, &images.transfer, &images.light] {
+            recorder.use_image(image, Access::SampledGeneral);
+        }
         recorder.flush();
         Ok(uploaded)
     }

@@ -87,6 +87,8 @@ pub struct Capabilities {
     pub(crate) max_loop_rounds: Option<u32>,
     /// Runs of consecutive workgroups that the driver cuts a dispatch into, one for each thread; 1 where threads take what comes next.
     pub(crate) dispatch_runs: u32,
+    /// The device is a processor: it reads storage images faster than it fetches or filters texels of sampled ones.
+    pub(crate) loads_texels: bool,
     pub(crate) features: vk::PhysicalDeviceFeatures,
 }
 
@@ -164,6 +166,7 @@ impl Capabilities {
                 (1 << bits) - 1
             },
             max_loop_rounds: llvmpipe.then_some(LLVMPIPE_LOOP_ROUNDS),
+            loads_texels: properties.device_type == vk::PhysicalDeviceType::CPU,
             dispatch_runs: if llvmpipe { llvmpipe_threads() } else { 1 },
             cache_uuid: properties.pipeline_cache_uuid,
             ids: [properties.vendor_id, properties.device_id],

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::{Variants, tile_groups, tiles, use_packed_cells};
+use super::{Variants, tile_groups, tiles, use_packed_cells, use_transfer};
 use crate::atlas::Images;
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Recorder, Uniforms};
@@ -58,16 +58,17 @@ impl BarePass {
         let constants = vec![(SPEC_PACKED_CELLS, packed_cells.into())];
         let pipeline = self.variants.get(context, &interface::BARE, constants)?;
         recorder.use_image(&images.atlas, Access::SampledRead);
-        recorder.use_image(&images.transfer, Access::SampledRead);
         let sampled = |image, sampler| Bound::Sampled {
             image,
             sampler,
             general: false,
         };
+        let [transfer, transfer_loads] = use_transfer(recorder, images);
         let bound = [
+            transfer,
+            transfer_loads,
             (BINDING_VOLUME, Bound::Uniform(volume)),
             (BINDING_FRAME, Bound::Uniform(frame)),
-            (BINDING_TRANSFER, sampled(&images.transfer, &images.nearest)),
             (BINDING_TARGET, Bound::StorageView(target)),
             (
                 BINDING_VOXELS,

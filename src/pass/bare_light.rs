@@ -10,7 +10,7 @@
 use std::sync::Arc;
 
 use super::light::{LightResources, parts};
-use super::{Reconstruction, Variants, sampled, use_packed_cells};
+use super::{Reconstruction, Variants, sampled, use_packed_cells, use_transfer};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Recorder};
 use crate::shader::generated::*;
@@ -44,11 +44,12 @@ impl BareLightPass {
             ..
         } = *resources;
         recorder.use_image(&images.atlas, Access::SampledRead);
-        recorder.use_image(&images.transfer, Access::SampledRead);
         recorder.use_image(&images.light, Access::Storage);
+        let [transfer, transfer_loads] = use_transfer(recorder, images);
         let bound = [
+            transfer,
+            transfer_loads,
             (BINDING_VOLUME, Bound::Uniform(volume)),
-            (BINDING_TRANSFER, sampled(&images.transfer, &images.nearest)),
             (BINDING_BRICKS, Bound::Storage(&lists.bricks)),
             (BINDING_WORK, Bound::Storage(&lists.trace)),
             (BINDING_LIGHT_STORE, Bound::StorageImage(&images.light)),

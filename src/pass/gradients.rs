@@ -12,7 +12,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::{Reconstruction, Variants, gradient_constant, sampled, use_packed_cells};
-use crate::atlas::{GRADIENT_CHUNK, GradientVolume, Images};
+use crate::atlas::{GRADIENT_CHUNK, GradientTexels, GradientVolume, Images};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Buffer, Context, Recorder, Uniforms};
 use crate::shader::generated::*;
@@ -56,7 +56,10 @@ impl GradientsPass {
             volume,
         } = resources;
         let mut constants = reconstruction.constants();
-        constants.push((SPEC_GRADIENT, gradient_constant(gradients.estimator())));
+        constants.extend([
+            (SPEC_GRADIENT, gradient_constant(gradients.estimator())),
+            (SPEC_STORED_GRADIENTS, gradients.texels() as u32),
+        ]);
         let pipeline = self
             .variants
             .get(context, &interface::GRADIENTS, constants)?;
@@ -71,8 +74,7 @@ impl GradientsPass {
         }
         recorder.use_image(&images.atlas, Access::SampledRead);
         recorder.use_image(&images.index, Access::SampledRead);
-        recorder.use_image(&gradients.image, Access::Storage);
-        let bound = [
+        let mut bound = vec![
             (BINDING_VOLUME, Bound::Uniform(volume)),
             (
                 BINDING_ATLAS,
@@ -80,12 +82,20 @@ impl GradientsPass {
             ),
             (BINDING_INDEX, sampled(&images.index, &images.nearest)),
             use_packed_cells(recorder, images),
-            (
-                BINDING_GRADIENTS_STORE,
-                Bound::StorageImage(&gradients.image),
-            ),
             (BINDING_CHUNKS, Bound::Storage(&list)),
         ];
+        // Of the two kinds of texels one stands in for the other, and nothing writes it.
+        let (ten_bits, halves) = match gradients.texels() {
+            GradientTexels::TenBits => (&gradients.image, &images.light),
+            GradientTexels::Halves | GradientTexels::Filtered => (&images.skip, &gradients.image),
+        };
+        for (binding, image) in [
+            (BINDING_GRADIENTS_TEN_BITS, ten_bits),
+            (BINDING_GRADIENTS_HALVES, halves),
+        ] {
+            recorder.use_image(image, Access::Storage);
+            bound.push((binding, Bound::StorageImage(image)));
+        }
         recorder.bind(pipeline, &bound)?;
         for (at, part) in chunks.chunks(CHUNKS_A_DISPATCH).enumerate() {
             let push = PartPush {
@@ -94,7 +104,11 @@ impl GradientsPass {
             };
             recorder.dispatch(pipeline, &push, [push.count, GROUPS, 1]);
         }
-        recorder.use_image(&gradients.image, Access::SampledRead);
+        let read = match gradients.texels() {
+            GradientTexels::Filtered => Access::SampledRead,
+            GradientTexels::TenBits | GradientTexels::Halves => Access::SampledGeneral,
+        };
+        recorder.use_image(&gradients.image, read);
         recorder.flush();
         Ok(())
     }

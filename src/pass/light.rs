@@ -69,7 +69,15 @@ impl LightPass {
             work,
             volume,
         } = *resources;
-        let [atlas, index, skip, transfer, cells] = use_field(recorder, images);
+        let [
+            atlas,
+            index,
+            skip,
+            skip_loads,
+            transfer,
+            transfer_loads,
+            cells,
+        ] = use_field(recorder, images);
         let [labels, label_table] = use_labels(recorder, images, labels);
         recorder.use_image(&images.light, Access::Storage);
         let bound = [
@@ -77,7 +85,9 @@ impl LightPass {
             atlas,
             index,
             skip,
+            skip_loads,
             transfer,
+            transfer_loads,
             cells,
             (BINDING_BRICKS, Bound::Storage(&lists.bricks)),
             (BINDING_WORK, Bound::Storage(&lists.trace)),

@@ -13,7 +13,7 @@ pub(crate) mod shadow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::atlas::{Images, LabelImages};
+use crate::atlas::{GradientTexels, GradientVolume, Images, LabelImages};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Image, Pipeline, Recorder, Sampler};
 use crate::scene::{Gradient, Interpolation};
@@ -37,12 +37,14 @@ impl Variants {
         interface: &'static PassInterface,
         constants: Constants,
     ) -> Result<&Pipeline> {
+        use crate::shader::generated::{SPEC_LOADS, SPEC_RUNS};
         use std::collections::btree_map::Entry;
         let mut constants = constants;
-        constants.push((
-            crate::shader::generated::SPEC_RUNS,
-            context.capabilities().dispatch_runs,
-        ));
+        let capabilities = context.capabilities();
+        constants.extend([
+            (SPEC_RUNS, capabilities.dispatch_runs),
+            (SPEC_LOADS, capabilities.loads_texels.into()),
+        ]);
         constants.retain(|(id, _)| interface.spec_ids.contains(id));
         match self.pipelines.entry((interface.module.name, constants)) {
             Entry::Occupied(there) => Ok(there.into_mut()),
@@ -123,32 +125,95 @@ fn sampled<'a>(image: &'a Image, sampler: &'a Sampler) -> Bound<'a> {
     }
 }
 
+/// An image that shaders fetch from or load, as the device does faster: it stays in `GENERAL`. `bindings`: the sampled one, and that
+/// of a storage image.
+fn use_texels<'a>(
+    recorder: &mut Recorder<'_>,
+    bindings: [u32; 2],
+    image: &'a Image,
+    sampler: &'a Sampler,
+) -> [(u32, Bound<'a>); 2] {
+    recorder.use_image(image, Access::SampledGeneral);
+    let fetched = Bound::Sampled {
+        image,
+        sampler,
+        general: true,
+    };
+    [
+        (bindings[0], fetched),
+        (bindings[1], Bound::StorageImage(image)),
+    ]
+}
+
+/// The transfer function's table.
+fn use_transfer<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> [(u32, Bound<'a>); 2] {
+    use crate::shader::generated::{BINDING_TRANSFER, BINDING_TRANSFER_LOADS};
+    let bindings = [BINDING_TRANSFER, BINDING_TRANSFER_LOADS];
+    use_texels(recorder, bindings, &images.transfer, &images.nearest)
+}
+
 /// The packed corners of voxel cells; without any an image of the same kind stands in, which nothing reads.
 fn use_packed_cells<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> (u32, Bound<'a>) {
     let cells = images
         .packed_cells
         .as_ref()
-        .map_or(&images.skip, |c| &c.image);
-    recorder.use_image(cells, Access::SampledRead);
+        .map_or(&images.no_cells, |c| &c.image);
+    recorder.use_image(cells, Access::SampledGeneral);
     let binding = crate::shader::generated::BINDING_PACKED_CELLS;
-    (binding, sampled(cells, &images.nearest))
+    (binding, Bound::StorageImage(cells))
 }
 
 /// What every pass that samples and classifies the field reads: asks for the barriers and gives the bindings.
-fn use_field<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> [(u32, Bound<'a>); 5] {
-    use crate::shader::generated::{BINDING_ATLAS, BINDING_INDEX, BINDING_SKIP, BINDING_TRANSFER};
+fn use_field<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> [(u32, Bound<'a>); 7] {
+    use crate::shader::generated::{
+        BINDING_ATLAS, BINDING_INDEX, BINDING_SKIP, BINDING_SKIP_LOADS,
+    };
     let cells = use_packed_cells(recorder, images);
     let field = [
         (BINDING_ATLAS, &images.atlas, images.atlas_sampler()),
         (BINDING_INDEX, &images.index, &images.nearest),
-        (BINDING_SKIP, &images.skip, &images.nearest),
-        (BINDING_TRANSFER, &images.transfer, &images.nearest),
     ];
-    let [atlas, index, skip, transfer] = field.map(|(binding, image, sampler)| {
+    let [atlas, index] = field.map(|(binding, image, sampler)| {
         recorder.use_image(image, Access::SampledRead);
         (binding, sampled(image, sampler))
     });
-    [atlas, index, skip, transfer, cells]
+    let bindings = [BINDING_SKIP, BINDING_SKIP_LOADS];
+    let [skip, skip_loads] = use_texels(recorder, bindings, &images.skip, &images.nearest);
+    let [transfer, transfer_loads] = use_transfer(recorder, images);
+    [
+        atlas,
+        index,
+        skip,
+        skip_loads,
+        transfer,
+        transfer_loads,
+        cells,
+    ]
+}
+
+/// The volume of gradients, for each kind of its texels; where it is of another kind, or there is none, images of the same kind stand
+/// in, which nothing reads.
+fn use_gradients<'a>(
+    recorder: &mut Recorder<'_>,
+    images: &'a Images,
+    gradients: Option<&'a GradientVolume>,
+    unused: (&'a Image, &'a Sampler),
+) -> [(u32, Bound<'a>); 3] {
+    use crate::shader::generated::{
+        BINDING_GRADIENTS, BINDING_GRADIENTS_HALVES, BINDING_GRADIENTS_TEN_BITS,
+    };
+    let of = |texels| gradients.filter(|g| g.texels() == texels).map(|g| &g.image);
+    let filtered = of(GradientTexels::Filtered).unwrap_or(unused.0);
+    let ten_bits = of(GradientTexels::TenBits).unwrap_or(&images.skip);
+    let halves = of(GradientTexels::Halves).unwrap_or(&images.light);
+    recorder.use_image(filtered, Access::SampledRead);
+    recorder.use_image(ten_bits, Access::SampledGeneral);
+    recorder.use_image(halves, Access::SampledGeneral);
+    [
+        (BINDING_GRADIENTS, sampled(filtered, unused.1)),
+        (BINDING_GRADIENTS_TEN_BITS, Bound::StorageImage(ten_bits)),
+        (BINDING_GRADIENTS_HALVES, Bound::StorageImage(halves)),
+    ]
 }
 
 /// What a pass that looks labels up reads; without labels images of the same kinds stand in, which it does not read.
@@ -158,13 +223,18 @@ fn use_labels<'a>(
     labels: Option<&'a LabelImages>,
 ) -> [(u32, Bound<'a>); 2] {
     use crate::shader::generated::{BINDING_LABEL_TABLE, BINDING_LABELS};
-    let (map, table) = match labels {
-        Some(labels) => (&labels.map, &labels.table),
-        None => (&images.skip, &images.transfer),
+    let (map, table, access) = match labels {
+        Some(labels) => (&labels.map, &labels.table, Access::SampledRead),
+        None => (&images.skip, &images.transfer, Access::SampledGeneral),
     };
     [(BINDING_LABELS, map), (BINDING_LABEL_TABLE, table)].map(|(binding, image)| {
-        recorder.use_image(image, Access::SampledRead);
-        (binding, sampled(image, &images.nearest))
+        recorder.use_image(image, access);
+        let bound = Bound::Sampled {
+            image,
+            sampler: &images.nearest,
+            general: access == Access::SampledGeneral,
+        };
+        (binding, bound)
     })
 }
 

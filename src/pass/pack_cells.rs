@@ -55,7 +55,7 @@ impl PackCellsPass {
             let groups = [width.div_ceil(8), height.div_ceil(8), count];
             recorder.dispatch(pipeline, &PartPush { first, count }, groups);
         }
-        recorder.use_image(&cells.image, Access::SampledRead);
+        recorder.use_image(&cells.image, Access::SampledGeneral);
         recorder.flush();
         Ok(())
     }

@@ -13,9 +13,12 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::{
-    Reconstruction, Variants, gradient_constant, sampled, tile_groups, tiles, use_field, use_labels,
+    Reconstruction, Variants, gradient_constant, sampled, tile_groups, tiles, use_field,
+    use_gradients, use_labels, use_texels,
 };
-use crate::atlas::{Images, LabelImages, MediumImages, TableImages};
+use crate::atlas::{
+    GradientTexels, GradientVolume, Images, LabelImages, MediumImages, TableImages,
+};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Image, ImageInfo, Recorder, Sampler, Uniforms};
 use crate::scene::{Classification, Gradient, Majorant, OpticalModel, RayProjection, Reflectance};
@@ -105,7 +108,7 @@ pub(crate) struct PictureVariant {
     pub(crate) diffuse: bool,
     pub(crate) gradient: Gradient,
     /// Gradients are read, not estimated.
-    pub(crate) stored_gradients: bool,
+    pub(crate) stored_gradients: Option<GradientTexels>,
     /// An optical model that the march of emission and absorption does not know.
     pub(crate) transport: Option<TransportVariant>,
     /// Samples have the colours of the data.
@@ -159,7 +162,10 @@ impl PictureVariant {
         constants.extend([
             (SPEC_CLASSIFICATION, classification),
             (SPEC_GRADIENT, gradient_constant(self.gradient)),
-            (SPEC_STORED_GRADIENTS, self.stored_gradients.into()),
+            (
+                SPEC_STORED_GRADIENTS,
+                self.stored_gradients.map_or(0, |t| t as u32),
+            ),
             (SPEC_PROJECTION, of_values),
             (SPEC_XRAY, (self.projection == RayProjection::Xray).into()),
             (SPEC_LIGHT, self.light.into()),
@@ -184,7 +190,7 @@ pub(crate) struct PictureResources<'a> {
     pub(crate) images: &'a Images,
     pub(crate) labels: Option<&'a LabelImages>,
     /// The volume of gradients.
-    pub(crate) gradients: Option<&'a Image>,
+    pub(crate) gradients: Option<&'a GradientVolume>,
     /// Of pre-integrated classification.
     pub(crate) tables: Option<&'a TableImages>,
     /// Value ranges of skip cells, of projections of values.
@@ -229,6 +235,7 @@ pub(crate) struct PicturePass {
     unused_sampled: Image,
     unused_volume: Image,
     unused_storage: Image,
+    unused_table: Image,
     nearest: Sampler,
 }
 
@@ -268,6 +275,12 @@ impl PicturePass {
                 false,
                 vk::ImageUsageFlags::STORAGE,
             )?,
+            unused_table: unused(
+                "umbravox.picture.no_table",
+                vk::Format::R32G32B32A32_SFLOAT,
+                false,
+                sampled | vk::ImageUsageFlags::STORAGE,
+            )?,
             nearest: Sampler::new(
                 context,
                 "umbravox.picture.nearest",
@@ -281,6 +294,7 @@ impl PicturePass {
         self.unused_sampled.forget();
         self.unused_volume.forget();
         self.unused_storage.forget();
+        self.unused_table.forget();
     }
 
     pub(crate) fn record(
@@ -314,11 +328,20 @@ impl PicturePass {
         recorder.use_image(&images.light, Access::SampledGeneral);
         recorder.use_image(&self.unused_sampled, Access::SampledRead);
         recorder.use_image(&self.unused_volume, Access::SampledRead);
-        let table = tables.map_or(&self.unused_sampled, |t| &t.table);
-        let emission = tables.map_or(&self.unused_sampled, |t| &t.emission);
+        let tables = [
+            (
+                [BINDING_PREINTEGRATED, BINDING_PREINTEGRATED_LOADS],
+                tables.map(|t| &t.table),
+            ),
+            (
+                [
+                    BINDING_PREINTEGRATED_EMISSION,
+                    BINDING_PREINTEGRATED_EMISSION_LOADS,
+                ],
+                tables.map(|t| &t.emission),
+            ),
+        ];
         let range = range.unwrap_or(&self.unused_volume);
-        let gradients = gradients.unwrap_or(&self.unused_volume);
-        recorder.use_image(gradients, Access::SampledRead);
         recorder.use_image(range, Access::SampledRead);
         let aux = aux.unwrap_or(&self.unused_storage);
         recorder.use_image(aux, Access::Storage);
@@ -353,14 +376,14 @@ impl PicturePass {
             (BINDING_SCENE_DEPTH, depth),
             (BINDING_TARGET, Bound::StorageView(target)),
             (BINDING_AUX, Bound::StorageImage(aux)),
-            (BINDING_PREINTEGRATED, sampled(table, &self.nearest)),
-            (
-                BINDING_PREINTEGRATED_EMISSION,
-                sampled(emission, &self.nearest),
-            ),
             (BINDING_RANGE, sampled(range, &self.nearest)),
-            (BINDING_GRADIENTS, sampled(gradients, &images.linear)),
         ]);
+        let unused = (&self.unused_volume, &images.linear);
+        bound.extend(use_gradients(recorder, images, gradients, unused));
+        for (bindings, table) in tables {
+            let table = table.unwrap_or(&self.unused_table);
+            bound.extend(use_texels(recorder, bindings, table, &self.nearest));
+        }
         bound.extend(surfaces.map(|s| (BINDING_SURFACES, Bound::Uniform(s))));
         if let Some((medium_images, params)) = medium {
             let through = through.unwrap_or(&self.unused_storage);

@@ -53,8 +53,8 @@ impl PreintegratePass {
         recorder.bind(pipeline, &bound)?;
         let [width, height, _] = images.table.extent();
         recorder.dispatch_plain(pipeline, [width.div_ceil(8), height.div_ceil(8), 1]);
-        recorder.use_image(&images.table, Access::SampledRead);
-        recorder.use_image(&images.emission, Access::SampledRead);
+        recorder.use_image(&images.table, Access::SampledGeneral);
+        recorder.use_image(&images.emission, Access::SampledGeneral);
         recorder.flush();
         Ok(())
     }

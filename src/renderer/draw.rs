@@ -56,8 +56,7 @@ impl Loaded {
             row.as_vec4().to_array()
         };
         let (table_end, table_tail) = preintegration.map_or((0.0, 0.0), |p| p.ends());
-        let decoding = self.gradients.as_ref().map(GradientVolume::decoding);
-        let [gradient_unit, gradient_zero] = decoding.unwrap_or([1.0, 0.0]);
+        let gradient_unit = self.gradients.as_ref().map_or(1.0, GradientVolume::unit);
         VolumeParams {
             field_ix: volume.size().map(|n| (n - 1) as f32),
             bin_from_sample: bin_from_sample as f32,
@@ -76,10 +75,6 @@ impl Loaded {
             label_ix_from_ix_x: label_row(0),
             label_ix_from_ix_y: label_row(1),
             label_ix_from_ix_z: label_row(2),
-            gradient_zero,
-            pad0: 0.0,
-            pad1: 0.0,
-            pad2: 0.0,
         }
     }
 
@@ -248,7 +243,7 @@ impl Loaded {
             light: self.light.is_some(),
             diffuse: lighting.shading == Shading::Diffuse,
             gradient: lighting.gradient,
-            stored_gradients: self.reads_gradients(),
+            stored_gradients: self.read_gradients().map(GradientVolume::texels),
             transport: self.transport.as_ref().map(Transport::variant),
             data_color: self.images.color.is_some(),
             jitter: march.jitter,
@@ -257,7 +252,6 @@ impl Loaded {
             encode_srgb: target.encode_srgb,
             blend: target.blend.then_some(target.format),
         };
-        let gradients = self.reads_gradients();
         let mut tile = self.tile.unwrap_or_else(|| self.default_tile());
         if self.settings.traces_paths() {
             tile = tile.min(PATHS_TILE);
@@ -270,6 +264,7 @@ impl Loaded {
             transport,
             paths,
             gradients: gradient_volume,
+            uploads,
             ..
         } = self;
         recorder.pass(pass_name::MARCH, |recorder| {
@@ -278,8 +273,7 @@ impl Loaded {
                 labels: labels.as_ref(),
                 gradients: gradient_volume
                     .as_ref()
-                    .filter(|_| gradients)
-                    .map(|g| &g.image),
+                    .filter(|_| uploads.bricks_complete()),
                 tables: prepared.tables(),
                 range: prepared.range(),
                 volume,

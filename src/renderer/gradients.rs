@@ -26,9 +26,11 @@ pub(super) fn gradients(
 }
 
 impl Loaded {
-    /// True when samples read their gradients.
-    pub(super) fn reads_gradients(&self) -> bool {
-        self.gradients.is_some() && self.uploads.bricks_complete()
+    /// The gradients that samples read, if they do.
+    pub(super) fn read_gradients(&self) -> Option<&GradientVolume> {
+        self.gradients
+            .as_ref()
+            .filter(|_| self.uploads.bricks_complete())
     }
 
     /// Estimates the gradients that are seen for the first time.
@@ -38,7 +40,7 @@ impl Loaded {
         recorder: &mut Recorder<'_>,
         volume: Uniforms,
     ) -> Result<()> {
-        if !self.reads_gradients() {
+        if self.read_gradients().is_none() {
             return Ok(());
         }
         let reconstruction = self.reconstruction(false);

@@ -286,6 +286,8 @@ pub(crate) fn record(
     if work == Work::Bare {
         loaded.record_bare(context, recorder, volume, frame)?;
     }
+    // Of passes that found nothing to dispatch: images count as being in the layouts asked for.
+    recorder.flush();
     (report.light_traced, report.light_rays) = loaded.light_progress();
     (report.paths_traced, report.paths) = loaded.path_progress();
     Ok(report)

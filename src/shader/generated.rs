@@ -355,13 +355,23 @@ pub const BINDING_COLOR: u32 = 45;
 
 pub const BINDING_GRADIENTS: u32 = 46;
 
-pub const BINDING_GRADIENTS_STORE: u32 = 47;
+pub const BINDING_GRADIENTS_TEN_BITS: u32 = 47;
 
 pub const BINDING_CHUNKS: u32 = 48;
 
 pub const BINDING_PACKED_CELLS: u32 = 49;
 
 pub const BINDING_PACKED_CELLS_STORE: u32 = 50;
+
+pub const BINDING_SKIP_LOADS: u32 = 51;
+
+pub const BINDING_TRANSFER_LOADS: u32 = 52;
+
+pub const BINDING_PREINTEGRATED_LOADS: u32 = 53;
+
+pub const BINDING_PREINTEGRATED_EMISSION_LOADS: u32 = 54;
+
+pub const BINDING_GRADIENTS_HALVES: u32 = 55;
 
 pub const SPEC_INTERPOLATION: u32 = 0;
 
@@ -428,3 +438,5 @@ pub const SPEC_PACKED_CELLS: u32 = 30;
 pub const SPEC_GROWTH: u32 = 31;
 
 pub const SPEC_RUNS: u32 = 32;
+
+pub const SPEC_LOADS: u32 = 33;

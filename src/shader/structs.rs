@@ -42,14 +42,6 @@ gpu_struct! {
         pub label_ix_from_ix_y: [f32; 4],
         /// See `label_ix_from_ix_x`.
         pub label_ix_from_ix_z: [f32; 4],
-        /// Texel of no gradient.
-        pub gradient_zero: f32,
-        /// Unused.
-        pub pad0: f32,
-        /// Unused.
-        pub pad1: f32,
-        /// Unused.
-        pub pad2: f32,
     }
 }
 

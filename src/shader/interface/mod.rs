@@ -161,9 +161,10 @@ const MARCH_SPEC_IDS: &[u32] = &[
     SPEC_STORED_GRADIENTS,
     SPEC_PACKED_CELLS,
     SPEC_RUNS,
+    SPEC_LOADS,
 ];
 
-const fn march_bindings(target: Access) -> [Binding; 17] {
+const fn march_bindings(target: Access) -> [Binding; 23] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -181,7 +182,13 @@ const fn march_bindings(target: Access) -> [Binding; 17] {
         sampled(BINDING_LABEL_TABLE),
         sampled(BINDING_COLOR),
         sampled(BINDING_GRADIENTS),
-        sampled(BINDING_PACKED_CELLS),
+        storage_image(BINDING_GRADIENTS_TEN_BITS, Access::Read),
+        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        storage_image(BINDING_SKIP_LOADS, Access::Read),
+        storage_image(BINDING_TRANSFER_LOADS, Access::Read),
+        storage_image(BINDING_PREINTEGRATED_LOADS, Access::Read),
+        storage_image(BINDING_PREINTEGRATED_EMISSION_LOADS, Access::Read),
+        storage_image(BINDING_GRADIENTS_HALVES, Access::Read),
     ]
 }
 
@@ -216,9 +223,10 @@ const EXTREMUM_SPEC_IDS: &[u32] = &[
     SPEC_LABELS,
     SPEC_PACKED_CELLS,
     SPEC_RUNS,
+    SPEC_LOADS,
 ];
 
-const fn extremum_bindings(target: Access) -> [Binding; 12] {
+const fn extremum_bindings(target: Access) -> [Binding; 13] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -231,7 +239,8 @@ const fn extremum_bindings(target: Access) -> [Binding; 12] {
         sampled(BINDING_RANGE),
         sampled(BINDING_LABELS),
         sampled(BINDING_LABEL_TABLE),
-        sampled(BINDING_PACKED_CELLS),
+        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        storage_image(BINDING_TRANSFER_LOADS, Access::Read),
     ]
 }
 
@@ -267,9 +276,10 @@ const ISOSURFACE_SPEC_IDS: &[u32] = &[
     SPEC_STORED_GRADIENTS,
     SPEC_PACKED_CELLS,
     SPEC_RUNS,
+    SPEC_LOADS,
 ];
 
-const fn isosurface_bindings(target: Access) -> [Binding; 14] {
+const fn isosurface_bindings(target: Access) -> [Binding; 17] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -284,7 +294,10 @@ const fn isosurface_bindings(target: Access) -> [Binding; 14] {
         sampled(BINDING_LABELS),
         sampled(BINDING_LABEL_TABLE),
         sampled(BINDING_GRADIENTS),
-        sampled(BINDING_PACKED_CELLS),
+        storage_image(BINDING_GRADIENTS_TEN_BITS, Access::Read),
+        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        storage_image(BINDING_SKIP_LOADS, Access::Read),
+        storage_image(BINDING_GRADIENTS_HALVES, Access::Read),
     ]
 }
 
@@ -310,9 +323,10 @@ pub const GRADIENTS: PassInterface = PassInterface {
         uniform(BINDING_VOLUME),
         sampled(BINDING_ATLAS),
         sampled(BINDING_INDEX),
-        storage_image(BINDING_GRADIENTS_STORE, Access::Write),
+        storage_image(BINDING_GRADIENTS_TEN_BITS, Access::Write),
         storage_read(BINDING_CHUNKS),
-        sampled(BINDING_PACKED_CELLS),
+        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        storage_image(BINDING_GRADIENTS_HALVES, Access::Write),
     ],
     push_constants: Some(PartPush::LAYOUT),
     spec_ids: &[
@@ -321,6 +335,7 @@ pub const GRADIENTS: PassInterface = PassInterface {
         SPEC_MANUAL_FILTER,
         SPEC_UNIFORM_GRID,
         SPEC_GRADIENT,
+        SPEC_STORED_GRADIENTS,
         SPEC_PACKED_CELLS,
         SPEC_RUNS,
     ],
@@ -366,7 +381,9 @@ pub const LIGHT_TRACE: PassInterface = PassInterface {
         storage_image(BINDING_LIGHT_STORE, Access::ReadWrite),
         sampled(BINDING_LABELS),
         sampled(BINDING_LABEL_TABLE),
-        sampled(BINDING_PACKED_CELLS),
+        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        storage_image(BINDING_SKIP_LOADS, Access::Read),
+        storage_image(BINDING_TRANSFER_LOADS, Access::Read),
     ],
     push_constants: Some(LightPush::LAYOUT),
     spec_ids: &[
@@ -382,6 +399,7 @@ pub const LIGHT_TRACE: PassInterface = PassInterface {
         SPEC_PACKED_CELLS,
         SPEC_GROWTH,
         SPEC_RUNS,
+        SPEC_LOADS,
     ],
     local_size: [4, 4, 4],
 };
@@ -410,10 +428,17 @@ pub const BARE: PassInterface = PassInterface {
         sampled(BINDING_TRANSFER),
         storage_image(BINDING_TARGET, Access::Write),
         sampled(BINDING_VOXELS),
-        sampled(BINDING_PACKED_CELLS),
+        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        storage_image(BINDING_TRANSFER_LOADS, Access::Read),
     ],
     push_constants: Some(BarePush::LAYOUT),
-    spec_ids: &[SPEC_EMISSION, SPEC_EXACT_BINS, SPEC_PACKED_CELLS, SPEC_RUNS],
+    spec_ids: &[
+        SPEC_EMISSION,
+        SPEC_EXACT_BINS,
+        SPEC_PACKED_CELLS,
+        SPEC_RUNS,
+        SPEC_LOADS,
+    ],
     local_size: [8, 8, 1],
 };
 
@@ -427,7 +452,8 @@ pub const BARE_LIGHT: PassInterface = PassInterface {
         storage_read(BINDING_WORK),
         storage_image(BINDING_LIGHT_STORE, Access::Write),
         sampled(BINDING_VOXELS),
-        sampled(BINDING_PACKED_CELLS),
+        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        storage_image(BINDING_TRANSFER_LOADS, Access::Read),
     ],
     push_constants: Some(LightPush::LAYOUT),
     spec_ids: &[
@@ -436,6 +462,7 @@ pub const BARE_LIGHT: PassInterface = PassInterface {
         SPEC_EXACT_BINS,
         SPEC_PACKED_CELLS,
         SPEC_RUNS,
+        SPEC_LOADS,
     ],
     local_size: [4, 4, 4],
 };

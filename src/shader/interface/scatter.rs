@@ -18,6 +18,7 @@ const GRID_SPEC_IDS: &[u32] = &[
     SPEC_GLOWS,
     SPEC_ENVIRONMENT,
     SPEC_PACKED_CELLS,
+    SPEC_LOADS,
 ];
 
 /// The medium, averaged over the cells of the grid of scattered light.
@@ -33,7 +34,8 @@ pub const GRID_MEDIUM: PassInterface = PassInterface {
         uniform(BINDING_MEDIUM),
         storage_image(BINDING_GRID_MEDIUM_STORE, Access::Write),
         storage_image(BINDING_GRID_EMISSION_STORE, Access::Write),
-        sampled(BINDING_PACKED_CELLS),
+        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        storage_image(BINDING_TRANSFER_LOADS, Access::Read),
     ],
     push_constants: None,
     spec_ids: &[
@@ -46,6 +48,7 @@ pub const GRID_MEDIUM: PassInterface = PassInterface {
         SPEC_LABELS,
         SPEC_GLOWS,
         SPEC_PACKED_CELLS,
+        SPEC_LOADS,
     ],
     local_size: [4, 4, 4],
 };
@@ -112,6 +115,7 @@ pub const ORDINATES_GATHER: PassInterface = PassInterface {
         SPEC_PHASE,
         SPEC_GLOWS,
         SPEC_PACKED_CELLS,
+        SPEC_LOADS,
     ],
     local_size: [4, 4, 4],
 };

@@ -32,9 +32,10 @@ const TRANSPORT_SPEC_IDS: &[u32] = &[
     SPEC_STORED_GRADIENTS,
     SPEC_PACKED_CELLS,
     SPEC_RUNS,
+    SPEC_LOADS,
 ];
 
-const fn transport_bindings(target: Access) -> [Binding; 19] {
+const fn transport_bindings(target: Access) -> [Binding; 23] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -54,7 +55,11 @@ const fn transport_bindings(target: Access) -> [Binding; 19] {
         sampled(BINDING_PHASE),
         storage_image(BINDING_THROUGH, Access::Write),
         sampled(BINDING_GRADIENTS),
-        sampled(BINDING_PACKED_CELLS),
+        storage_image(BINDING_GRADIENTS_TEN_BITS, Access::Read),
+        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        storage_image(BINDING_SKIP_LOADS, Access::Read),
+        storage_image(BINDING_TRANSFER_LOADS, Access::Read),
+        storage_image(BINDING_GRADIENTS_HALVES, Access::Read),
     ]
 }
 
@@ -92,9 +97,10 @@ const PATHTRACE_SPEC_IDS: &[u32] = &[
     SPEC_GLOBAL_MAJORANT,
     SPEC_PACKED_CELLS,
     SPEC_RUNS,
+    SPEC_LOADS,
 ];
 
-const fn pathtrace_bindings(target: Access) -> [Binding; 19] {
+const fn pathtrace_bindings(target: Access) -> [Binding; 21] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -114,7 +120,9 @@ const fn pathtrace_bindings(target: Access) -> [Binding; 19] {
         storage_image(BINDING_PATHS_SUM, Access::ReadWrite),
         storage_image(BINDING_PATHS_SQUARE, Access::ReadWrite),
         storage_image(BINDING_PATHS_THROUGH, Access::ReadWrite),
-        sampled(BINDING_PACKED_CELLS),
+        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        storage_image(BINDING_SKIP_LOADS, Access::Read),
+        storage_image(BINDING_TRANSFER_LOADS, Access::Read),
     ]
 }
 
@@ -146,7 +154,9 @@ pub const SHADOW_SWEEP: PassInterface = PassInterface {
         sampled(BINDING_LABEL_TABLE),
         uniform(BINDING_MEDIUM),
         storage_image(BINDING_SHADOW_STORE, Access::ReadWrite),
-        sampled(BINDING_PACKED_CELLS),
+        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        storage_image(BINDING_SKIP_LOADS, Access::Read),
+        storage_image(BINDING_TRANSFER_LOADS, Access::Read),
     ],
     push_constants: Some(SweepPush::LAYOUT),
     spec_ids: &[
@@ -162,6 +172,7 @@ pub const SHADOW_SWEEP: PassInterface = PassInterface {
         SPEC_GLOWS,
         SPEC_ENVIRONMENT,
         SPEC_PACKED_CELLS,
+        SPEC_LOADS,
     ],
     local_size: [8, 8, 1],
 };

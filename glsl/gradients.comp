@@ -5,10 +5,10 @@
 
 #include "bindings.glsl"
 #include "structs.glsl"
-#include "deal.glsl"
 #include "volume.glsl"
 #include "reconstruct.glsl"
 #include "gradient.glsl"
+#include "ten_bits.glsl"
 
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
 
@@ -39,7 +39,7 @@ void main() {
     }
     int group = int(gl_WorkGroupID.y);
     ivec3 within = 4 * ivec3(group % 4, group / 4 % 4, group / 16) + ivec3(gl_LocalInvocationID);
-    ivec3 voxel = CHUNK * chunks[push.first + dealt(gl_WorkGroupID.x, push.count)].xyz + within;
+    ivec3 voxel = CHUNK * chunks[push.first + gl_WorkGroupID.x].xyz + within;
     if (any(greaterThan(voxel, ivec3(volume.field_ix)))) {
         return;
     }

@@ -84,7 +84,7 @@ void main() {
     if (CLASSIFICATION == PREINTEGRATED) {
         march_ends(acc, ray, whole, count, shift);
     } else {
-        march_middles(acc, ray, whole, count, shift);
+        march_middles(acc, ray, whole, shift);
     }
     if (count > 0u && acc.opacity < frame.early_termination) {
         Segment last = segment_of(whole, count, ray.extent, shift);
@@ -95,8 +95,10 @@ void main() {
             c = classify_last_between(ray, count, shift, last, b);
         } else {
             b = brick_at(ray_position(ray, last.middle, volume.field_ix));
-            c = classify_middle(ray, b, last, true);
             sampled = b.resident;
+            if (sampled) {
+                c = classify_middle(ray, b, last, true);
+            }
         }
         if (sampled) {
             add_segment(acc, ray, b, last, c);

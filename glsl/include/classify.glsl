@@ -1,6 +1,6 @@
 // The transfer function as a table of bins. Row 0 holds each bin's start (colour, opacity), row 1 its end, so that
 // jumps at control points stay jumps; rows 2 and 3 hold emission and the light pass's opacity in the same way.
-// Fetched, not filtered: a filter unit has 8 bits between entries.
+// Single texels, not filtered: a filter unit has 8 bits between entries.
 
 #include "optical_depth.glsl"
 #include "loads.glsl"

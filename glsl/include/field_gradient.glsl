@@ -1,9 +1,10 @@
 // The field's gradient: read from a volume of gradients where there is one, else estimated. Includes reconstruct.glsl first.
 
 #include "gradient.glsl"
+#include "ten_bits.glsl"
 
 // Is a volume of gradients there, the estimates at voxels (gradients.comp), and how is it read? 0 no, 1 filtered by the texture unit,
-// 2 texels of ten bits, 3 halves, filtered here (src/pass/picture.rs).
+// 2 texels of ten bits, 3 halves, filtered here (GradientTexels in src/atlas/gradients.rs).
 layout(constant_id = SPEC_STORED_GRADIENTS) const uint STORED_GRADIENTS = 0;
 
 layout(set = 0, binding = BINDING_GRADIENTS) uniform sampler3D t_gradients;
@@ -21,18 +22,19 @@ vec3 gradient_texel(ivec3 at) {
 
 vec3 gradient_between(vec3 p_ix) {
     ivec3 i = ivec3(p_ix);
-    vec3 f = p_ix - vec3(i);
+    precise vec3 f = p_ix - vec3(i);
     ivec3 j = min(i + 1, ivec3(volume.field_ix));
-    vec3 rows[4];
+    precise vec3 rows[4];
     [[unroll]] for (int n = 0; n < 4; ++n) {
         ivec2 yz = ivec2((n & 1) == 0 ? i.y : j.y, n < 2 ? i.z : j.z);
         vec3 low = gradient_texel(ivec3(i.x, yz));
         // Not mix(), which may miss the value that both ends have: flat places would have gradients.
         rows[n] = low + (gradient_texel(ivec3(j.x, yz)) - low) * f.x;
     }
-    vec3 low = rows[0] + (rows[1] - rows[0]) * f.y;
-    vec3 high = rows[2] + (rows[3] - rows[2]) * f.y;
-    return low + (high - low) * f.z;
+    precise vec3 low = rows[0] + (rows[1] - rows[0]) * f.y;
+    precise vec3 high = rows[2] + (rows[3] - rows[2]) * f.y;
+    precise vec3 between = low + (high - low) * f.z;
+    return between;
 }
 
 // In units of texture samples per mm.

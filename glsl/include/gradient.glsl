@@ -3,9 +3,6 @@
 // All but the two cubic ones are the trilinear interpolation of the estimates at voxels, as sums of taps of the trilinear field. Taps
 // beyond the volume read its border.
 
-// Texels of ten bits a component count from here.
-const int TEN_BITS_ZERO = 512;
-
 // 0 central differences, 1 four points an axis, 2 linear regression, 3 Sobel, 4 B-spline, 5 Catmull-Rom (src/pass/picture.rs).
 layout(constant_id = SPEC_GRADIENT) const uint GRADIENT = 0;
 

@@ -11,9 +11,9 @@ Classified classify_middle(Ray ray, Brick b, Segment segment, bool shorter) {
     return c;
 }
 
-// The first `whole` of `count` segments, sampled at their middles. Jittered rays have a shorter first one too and take the exact
+// The first `whole` segments, sampled at their middles. Jittered rays have a shorter first one too and take the exact
 // path throughout.
-void march_middles(inout Accumulated acc, Ray ray, uint whole, uint count, float shift) {
+void march_middles(inout Accumulated acc, Ray ray, uint whole, float shift) {
     Heading heading = heading_of(ray.step_ix);
     uint i = 0u;
     if (i < whole) {

@@ -1,4 +1,4 @@
-// The corners of voxel cells side by side in one texel: drivers that filter on the processor fetch them faster than they filter.
+// The corners of voxel cells side by side in one texel: drivers that filter on the processor load them faster than they filter.
 // Of samples of one byte (src/atlas/packed_cells.rs).
 
 layout(constant_id = SPEC_PACKED_CELLS) const bool PACKED_CELLS = false;

@@ -170,7 +170,7 @@ impl GradientVolume {
         self.stale = true;
     }
 
-    /// True once: filters give weight 0 to texels that nothing was written to, which only a number makes nothing.
+    /// True once: interpolation gives weight 0 to texels that nothing was written to, which only a number makes nothing.
     pub(crate) fn is_first_use(&mut self) -> bool {
         !std::mem::replace(&mut self.cleared, true)
     }

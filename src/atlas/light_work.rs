@@ -387,7 +387,7 @@ mod tests {
                 let at: [f64; 3] = std::array::from_fn(|a| {
                     f64::from(grid.origin_ix(block)[a]) + f64::from(sample[a]) * spacing(block, a)
                 });
-                let near = (0..cells_of(occupancy)).any(|cell| {
+                let near = (0..occupancy.cells.len()).any(|cell| {
                     occupancy.cells[cell] != 0 && {
                         let place = cell_position(occupancy, cell);
                         (0..3).all(|a| {
@@ -442,10 +442,6 @@ mod tests {
                 let inside = [bit % GROUP, bit / GROUP % GROUP, bit / GROUP.pow(2)];
                 std::array::from_fn(|a| group[a] * GROUP + inside[a])
             })
-    }
-
-    fn cells_of(occupancy: &Occupancy<'_>) -> usize {
-        occupancy.cells.len()
     }
 
     fn cell_position(occupancy: &Occupancy<'_>, cell: usize) -> [u32; 3] {

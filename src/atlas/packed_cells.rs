@@ -1,7 +1,7 @@
 //! The corners of voxel cells, packed: a second copy of the atlas, for drivers that filter on the processor.
 //!
 //! A filter reads eight texels for a sample, each with an address of its own. Here the eight lie in two texels, four of each
-//! slice: `glsl/include/packed_cells.glsl` fetches and interpolates them in about half the time.
+//! slice: `glsl/include/packed_cells.glsl` loads and interpolates them in less than half the time.
 
 use std::sync::Arc;
 
@@ -45,7 +45,7 @@ impl Packing {
         {
             return None;
         }
-        // One slice more: samples on the last one fetch the next, of which they take nothing.
+        // One slice more: samples on the last one load the next, of which they take nothing.
         let extent = [
             width.div_ceil(CELLS_A_ROW),
             height.div_ceil(CELLS_A_ROW),

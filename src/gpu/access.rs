@@ -15,7 +15,7 @@ pub(crate) enum Access {
     TransferWrite,
     /// Sampled or fetched in a compute shader; the image is in `SHADER_READ_ONLY_OPTIMAL`.
     SampledRead,
-    /// Sampled or fetched in a compute shader while the image stays in `GENERAL`.
+    /// Sampled, fetched, or loaded as a storage image, in a compute shader while the image stays in `GENERAL`.
     SampledGeneral,
     /// Read and written as a storage buffer or image (`GENERAL`).
     Storage,

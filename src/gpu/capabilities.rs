@@ -87,6 +87,8 @@ pub struct Capabilities {
     pub(crate) max_loop_rounds: Option<u32>,
     /// Runs of consecutive workgroups that the driver cuts a dispatch into, one for each thread; 1 where threads take what comes next.
     pub(crate) dispatch_runs: u32,
+    /// Storage images that a shader may have.
+    pub(crate) max_storage_images: u32,
     /// The device is a processor: it reads storage images faster than it fetches or filters texels of sampled ones.
     pub(crate) loads_texels: bool,
     pub(crate) features: vk::PhysicalDeviceFeatures,
@@ -94,6 +96,9 @@ pub struct Capabilities {
 
 /// `LP_MAX_TGSI_LOOP_ITERATIONS` of Mesa's gallivm: one counter for all loops of an invocation.
 const LLVMPIPE_LOOP_ROUNDS: u32 = 65_535;
+
+/// Storage images that the pass with most of them has (the march over what its target holds).
+const STORAGE_IMAGES: u32 = 9;
 
 /// `LP_MAX_THREADS` of Mesa's llvmpipe.
 const LLVMPIPE_MAX_THREADS: u32 = 32;
@@ -166,6 +171,7 @@ impl Capabilities {
                 (1 << bits) - 1
             },
             max_loop_rounds: llvmpipe.then_some(LLVMPIPE_LOOP_ROUNDS),
+            max_storage_images: properties.limits.max_per_stage_descriptor_storage_images,
             loads_texels: properties.device_type == vk::PhysicalDeviceType::CPU,
             dispatch_runs: if llvmpipe { llvmpipe_threads() } else { 1 },
             cache_uuid: properties.pipeline_cache_uuid,
@@ -177,10 +183,17 @@ impl Capabilities {
     /// What is missing for the renderer and what is there instead, `None` when nothing is.
     pub(crate) fn missing(&self) -> Option<(String, String)> {
         let writes = self.features.shader_storage_image_write_without_format != vk::FALSE;
-        (!writes).then(|| {
-            (
+        if !writes {
+            return Some((
                 "the feature shaderStorageImageWriteWithoutFormat".into(),
                 "no such feature".into(),
+            ));
+        }
+        let images = self.max_storage_images;
+        (images < STORAGE_IMAGES).then(|| {
+            (
+                format!("{STORAGE_IMAGES} storage images a shader"),
+                format!("at most {images}"),
             )
         })
     }
@@ -194,5 +207,22 @@ impl Capabilities {
                 have,
             }),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::shader::interface::{DescriptorKind, PASSES};
+
+    #[test]
+    fn no_pass_has_more_storage_images_than_devices_are_asked_for() {
+        let of_pass = |pass: &crate::shader::PassInterface| {
+            let images = pass.bindings.iter().map(|b| b.kind);
+            images
+                .filter(|&kind| kind == DescriptorKind::StorageImage)
+                .count()
+        };
+        let most = PASSES.iter().map(of_pass).max();
+        assert_eq!(most, Some(super::STORAGE_IMAGES as usize));
     }
 }

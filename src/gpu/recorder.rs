@@ -288,7 +288,7 @@ impl<'a> Recorder<'a> {
         self.flush();
     }
 
-    /// Sets every texel of a float image to 0.
+    /// Sets every bit of a colour image to 0.
     pub(crate) fn clear(&mut self, image: &Image) {
         self.use_image(image, Access::TransferWrite);
         self.flush();

@@ -1,6 +1,6 @@
 //! The bench's limit: a march that only samples one texture and classifies.
 //!
-//! Reads   the atlas as if it were one texture of the whole volume, transfer (SampledRead)
+//! Reads   the atlas as if it were one texture of the whole volume (SampledRead), packed corners, transfer (SampledGeneral)
 //! Writes  a target image (Storage)
 //! Grid    one workgroup for 8x8 pixels, one dispatch a tile
 //! Method  as many samples as the march without skipping or early termination; sums what the transfer function says

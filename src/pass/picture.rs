@@ -1,7 +1,7 @@
 //! Pictures: front-to-back march, projections of values and isosurfaces, into a target image.
 //!
-//! Reads   atlas, index, skip or cell ranges, transfer and pre-integrated tables, labels (SampledRead), light (SampledGeneral), the
-//!         host's depth
+//! Reads   atlas, index, cell ranges, labels, filtered gradients (SampledRead), skip, transfer and pre-integrated tables, packed corners,
+//!         loaded gradients, light (SampledGeneral), the host's depth
 //! Writes  the target (Storage; read too when it is blended over), depths and sample counts (Storage)
 //! Grid    one workgroup for 8x8 pixels, one dispatch a tile
 //! Method  emission-absorption with exact opacity correction; skipping by leaps, one map for each octant of directions

@@ -271,9 +271,7 @@ impl Loaded {
             let resources = PictureResources {
                 images,
                 labels: labels.as_ref(),
-                gradients: gradient_volume
-                    .as_ref()
-                    .filter(|_| uploads.bricks_complete()),
+                gradients: super::gradients::read(gradient_volume.as_ref(), uploads),
                 tables: prepared.tables(),
                 range: prepared.range(),
                 volume,

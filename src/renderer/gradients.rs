@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::loaded::{Loaded, NAME, other_texel_bytes, shading_reach};
 use super::pass_name;
 use super::settings::Settings;
-use crate::atlas::{GradientVolume, Residency, Store};
+use crate::atlas::{GradientVolume, Residency, Store, Uploads};
 use crate::error::Result;
 use crate::gpu::{Context, Recorder, Uniforms};
 use crate::pass::gradients::GradientsResources;
@@ -25,12 +25,18 @@ pub(super) fn gradients(
     GradientVolume::new(context, NAME, store, residency, estimator, others, budget)
 }
 
+/// The gradients that samples read: those of voxels that are all there.
+pub(super) fn read<'a>(
+    gradients: Option<&'a GradientVolume>,
+    uploads: &Uploads,
+) -> Option<&'a GradientVolume> {
+    gradients.filter(|_| uploads.bricks_complete())
+}
+
 impl Loaded {
     /// The gradients that samples read, if they do.
     pub(super) fn read_gradients(&self) -> Option<&GradientVolume> {
-        self.gradients
-            .as_ref()
-            .filter(|_| self.uploads.bricks_complete())
+        read(self.gradients.as_ref(), &self.uploads)
     }
 
     /// Estimates the gradients that are seen for the first time.

@@ -337,7 +337,6 @@ pub const GRADIENTS: PassInterface = PassInterface {
         SPEC_GRADIENT,
         SPEC_STORED_GRADIENTS,
         SPEC_PACKED_CELLS,
-        SPEC_RUNS,
     ],
     local_size: [4, 4, 4],
 };

@@ -28,16 +28,16 @@ void main() {
     uint count = segment_count(ray, 0.0);
     // Where the first sample is and how far the next, for the read that there is.
     vec3 first_ix = ray.origin_ix + 0.5 * ray.step_ix;
-    vec3 at = (first_ix + 0.5) * push.extent_texel;
-    vec3 ahead = ray.step_ix * push.extent_texel;
-    if (PACKED_CELLS) {
-        at = first_ix;
-        ahead = ray.step_ix;
+    vec3 at = first_ix;
+    vec3 ahead = ray.step_ix;
+    if (PACKED_CELLS == 0u) {
+        at = (first_ix + 0.5) * push.extent_texel;
+        ahead = ray.step_ix * push.extent_texel;
     }
     vec4 sum = vec4(0.0);
     for (uint i = 0u; i < count; ++i) {
         vec3 there = at + float(i) * ahead;
-        float value = PACKED_CELLS ? packed_linear(there) : textureLod(t_voxels, there, 0.0).r;
+        float value = PACKED_CELLS == 0u ? textureLod(t_voxels, there, 0.0).r : packed_linear(there);
         Classified c = classify(value, 1.0);
         sum += vec4(c.color, c.opacity);
     }

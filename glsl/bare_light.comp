@@ -31,18 +31,18 @@ void main() {
     vec3 step_ix = push.direction_ix * ((push.radius_mm - push.offset_mm) / push.parts);
     // Where the first sample is and how far the next, for the read that there is.
     vec3 first_ix = vec3(s.sample_at) + push.direction_ix * push.offset_mm + 0.5 * step_ix;
-    vec3 at = (first_ix + 0.5) * volume.atlas_texel;
-    vec3 ahead = step_ix * volume.atlas_texel;
-    if (PACKED_CELLS) {
-        at = first_ix;
-        ahead = step_ix;
+    vec3 at = first_ix;
+    vec3 ahead = step_ix;
+    if (PACKED_CELLS == 0u) {
+        at = (first_ix + 0.5) * volume.atlas_texel;
+        ahead = step_ix * volume.atlas_texel;
     }
     vec3 last_at = 1.0 / volume.atlas_texel - 1.0;
     float sum = 0.0;
     for (uint m = 0u; m < parts; ++m) {
         vec3 there = at + float(m) * ahead;
         float value =
-            PACKED_CELLS ? packed_linear(clamp(there, vec3(0.0), last_at)) : textureLod(t_voxels, there, 0.0).r;
+            PACKED_CELLS == 0u ? textureLod(t_voxels, there, 0.0).r : packed_linear(clamp(there, vec3(0.0), last_at));
         sum += classify_light(value, 1.0).opacity;
     }
     // Lanes beyond the last sample of a brick work like the others, and may not write outside.

@@ -18,11 +18,19 @@ uvec4 row_at(int x, int y, int z, ivec3 last) {
     for (int i = 0; i <= CELLS_A_ROW; ++i) {
         row[i] = texelFetch(t_atlas, min(ivec3(CELLS_A_ROW * x + i, y, z), last), 0).r;
     }
-    return uvec4(row * 255.0 + 0.5);
+    float largest = 255.0;
+    if (PACKED_CELLS == 2u) {
+        largest = 65535.0;
+    }
+    return uvec4(row * largest + 0.5);
 }
 
 uint bytes_of(uvec4 row) {
     return row.x | (row.y << 8) | (row.z << 16) | (row.w << 24);
+}
+
+uvec2 words_of(uvec4 row) {
+    return row.xz | (row.yw << 16);
 }
 
 void main() {
@@ -33,8 +41,16 @@ void main() {
         return;
     }
     uvec4 texel;
-    for (int j = 0; j <= CELLS_A_ROW; ++j) {
-        texel[j] = bytes_of(row_at(at.x, CELLS_A_ROW * at.y + j, at.z, last));
+    if (PACKED_CELLS == 2u) {
+        for (int j = 0; j < 2; ++j) {
+            uvec2 words = words_of(row_at(at.x, at.y + j, at.z, last));
+            texel[2 * j] = words.x;
+            texel[2 * j + 1] = words.y;
+        }
+    } else {
+        for (int j = 0; j <= CELLS_A_ROW; ++j) {
+            texel[j] = bytes_of(row_at(at.x, CELLS_A_ROW * at.y + j, at.z, last));
+        }
     }
     imageStore(i_store, at, texel);
 }

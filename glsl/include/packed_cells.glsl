@@ -1,12 +1,13 @@
 // The corners of voxel cells side by side in one texel: drivers that filter on the processor load them faster than they filter.
-// Of samples of one byte (src/atlas/packed_cells.rs).
 
-layout(constant_id = SPEC_PACKED_CELLS) const bool PACKED_CELLS = false;
+// 0: there are none. Else the bytes of a sample (src/atlas/packed_cells.rs).
+layout(constant_id = SPEC_PACKED_CELLS) const uint PACKED_CELLS = 0;
 
 layout(set = 0, binding = BINDING_PACKED_CELLS, rgba32ui) uniform readonly uimage3D i_packed_cells;
 
-// A texel holds samples of one slice: 3x .. 3x + 3 of the rows 3y .. 3y + 3, a row in a word. Neighbouring texels share samples, so
-// that the corners of every cell in the slice lie in one.
+// A texel holds samples of one slice: 3x .. 3x + 3 of some rows, a row in as many words as a sample has bytes. Of bytes these are rows
+// 3y .. 3y + 3, of two bytes rows y and y + 1. Neighbouring texels share samples, so that the corners of every cell in the slice lie
+// in one.
 const int CELLS_A_ROW = 3;
 
 // Index / 3, of indices below 49152. (Division of integers is slow.)
@@ -16,6 +17,12 @@ int third_of(int index) {
 
 // The four corners of a cell in one slice, as pairs along x: low ends of rows y and y + 1, then high ends.
 vec4 corners_in(uvec4 texel, ivec2 cell) {
+    if (PACKED_CELLS == 2u) {
+        uvec2 first = texel.xz;
+        uvec2 last = texel.yw;
+        uvec2 pair = cell.x == 0 ? first : cell.x == 1 ? (first >> 16) | (last << 16) : last;
+        return vec4(pair & 0xffffu, pair >> 16) * (1.0 / 65535.0);
+    }
     uvec2 rows = cell.y == 0 ? texel.xy : cell.y == 1 ? texel.yz : texel.zw;
     uvec2 pair = rows >> uint(8 * cell.x);
     return vec4(pair & 0xffu, (pair >> 8) & 0xffu) * (1.0 / 255.0);
@@ -25,8 +32,12 @@ vec4 corners_in(uvec4 texel, ivec2 cell) {
 float packed_linear(vec3 at) {
     ivec3 i = ivec3(at);
     vec3 f = at - vec3(i);
-    ivec2 texel = ivec2(third_of(i.x), third_of(i.y));
-    ivec2 cell = i.xy - CELLS_A_ROW * texel;
+    ivec2 texel = ivec2(third_of(i.x), i.y);
+    ivec2 cell = ivec2(i.x - CELLS_A_ROW * texel.x, 0);
+    if (PACKED_CELLS == 1u) {
+        texel.y = third_of(i.y);
+        cell.y = i.y - CELLS_A_ROW * texel.y;
+    }
     vec4 near = corners_in(imageLoad(i_packed_cells, ivec3(texel, i.z)), cell);
     vec4 far = corners_in(imageLoad(i_packed_cells, ivec3(texel, i.z + 1)), cell);
     // Not mix(), which may miss the value that both ends have: flat places would have gradients.

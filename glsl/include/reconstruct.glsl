@@ -44,14 +44,14 @@ float atlas_linear_manual(vec3 at) {
 
 // Trilinear, whatever the march does: gradients and light follow the continuous field.
 float reconstruct_linear(Brick b, vec3 local) {
-    if (PACKED_CELLS) {
-        return packed_linear(b.origin_at + local);
+    if (PACKED_CELLS == 0u) {
+        if (MANUAL_FILTER) {
+            return atlas_linear_manual(b.origin_at + local);
+        }
+        precise vec3 uvw = (b.origin_at + local + 0.5) * volume.atlas_texel;
+        return textureLod(t_atlas, uvw, 0.0).r;
     }
-    if (MANUAL_FILTER) {
-        return atlas_linear_manual(b.origin_at + local);
-    }
-    precise vec3 uvw = (b.origin_at + local + 0.5) * volume.atlas_texel;
-    return textureLod(t_atlas, uvw, 0.0).r;
+    return packed_linear(b.origin_at + local);
 }
 
 // The trilinear field at any position, beyond the volume that of its border. `near` stands in where nothing is resident.

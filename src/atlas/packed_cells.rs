@@ -18,15 +18,20 @@ const CELLS_A_ROW: u32 = 3;
 const MAX_INDEX: u32 = 49151;
 
 const TEXEL_BYTES: u64 = 16;
+/// Most bytes of samples of two bytes, 5.3 for a voxel: larger copies wait for memory longer than filters compute.
+const MAX_BYTES_OF_TWO: u64 = 64 << 20;
 
 /// What packed corners would be like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Packing {
     extent: [u32; 3],
+    /// Bytes of a sample, 1 or 2.
+    sample_bytes: u32,
 }
 
 impl Packing {
-    /// `None` where the device filters faster itself, samples have more than one byte, or the budget, which the texels of the
+    /// `None` where the device filters faster itself, samples have more than two bytes, those of two would take more than
+    /// [`MAX_BYTES_OF_TWO`], or the budget, which the texels of the
     /// atlas and what belongs to each share, has no room.
     pub(crate) fn of(
         context: &Context,
@@ -36,9 +41,12 @@ impl Packing {
         budget_bytes: u64,
     ) -> Option<Self> {
         let [width, height, depth] = residency.layout.extent();
-        let voxels = store.volume.voxels().voxel_type();
+        let sample_bytes = match store.volume.voxels().voxel_type() {
+            VoxelType::U8 | VoxelType::I8 => 1,
+            VoxelType::U16 | VoxelType::I16 => 2,
+            VoxelType::F32 => return None,
+        };
         if !context.capabilities().loads_texels
-            || !matches!(voxels, VoxelType::U8 | VoxelType::I8)
             || !context.can_store(PackedCells::FORMAT)
             || width.max(height) > MAX_INDEX
             || depth >= context.capabilities().max_extent_3d
@@ -46,22 +54,29 @@ impl Packing {
             return None;
         }
         // One slice more: samples on the last one load the next, of which they take nothing.
-        let extent = [
-            width.div_ceil(CELLS_A_ROW),
-            height.div_ceil(CELLS_A_ROW),
-            depth + 1,
-        ];
+        let rows = if sample_bytes == 1 {
+            height.div_ceil(CELLS_A_ROW)
+        } else {
+            height
+        };
+        let extent = [width.div_ceil(CELLS_A_ROW), rows, depth + 1];
         let texels = extent.iter().map(|&n| u64::from(n)).product::<u64>();
-        let texel_bytes = u64::from(1 + other_texel_bytes);
+        let texel_bytes = u64::from(sample_bytes + other_texel_bytes);
         let beside = residency.layout.texels().saturating_mul(texel_bytes);
-        let bytes = texels.saturating_mul(TEXEL_BYTES).saturating_add(beside);
-        (bytes <= budget_bytes).then_some(Self { extent })
+        let bytes = texels.saturating_mul(TEXEL_BYTES);
+        let worth_it = sample_bytes == 1 || bytes <= MAX_BYTES_OF_TWO;
+        let fits = bytes.saturating_add(beside) <= budget_bytes;
+        (worth_it && fits).then_some(Self {
+            extent,
+            sample_bytes,
+        })
     }
 }
 
 /// Packed corners on the device.
 pub(crate) struct PackedCells {
     pub(crate) image: Image,
+    sample_bytes: u32,
     complete: bool,
 }
 
@@ -83,6 +98,7 @@ impl PackedCells {
         )?;
         Ok(Self {
             image,
+            sample_bytes: packing.sample_bytes,
             complete: false,
         })
     }
@@ -90,7 +106,13 @@ impl PackedCells {
     pub(crate) fn packing(&self) -> Packing {
         Packing {
             extent: self.image.extent(),
+            sample_bytes: self.sample_bytes,
         }
+    }
+
+    /// Bytes of a sample, 1 or 2.
+    pub(crate) fn sample_bytes(&self) -> u32 {
+        self.sample_bytes
     }
 
     /// See [`Image::forget`]. Everything is packed again.

@@ -23,7 +23,7 @@ use crate::shader::structs::BarePush;
 pub(crate) struct BareResources<'a> {
     pub(crate) images: &'a Images,
     /// As [`super::Reconstruction::packed_cells`].
-    pub(crate) packed_cells: bool,
+    pub(crate) packed_cells: u32,
     /// Voxels of the volume on x, y, z.
     pub(crate) size: [u32; 3],
     pub(crate) volume: Uniforms,
@@ -55,7 +55,7 @@ impl BarePass {
             frame,
             target,
         } = *resources;
-        let constants = vec![(SPEC_PACKED_CELLS, packed_cells.into())];
+        let constants = vec![(SPEC_PACKED_CELLS, packed_cells)];
         let pipeline = self.variants.get(context, &interface::BARE, constants)?;
         recorder.use_image(&images.atlas, Access::SampledRead);
         let sampled = |image, sampler| Bound::Sampled {

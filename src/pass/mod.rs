@@ -62,8 +62,8 @@ pub(crate) struct Reconstruction {
     pub(crate) interpolation: Interpolation,
     /// The texture unit cannot filter the voxel format.
     pub(crate) manual: bool,
-    /// Packed corners are read instead of filtering.
-    pub(crate) packed_cells: bool,
+    /// Bytes of the samples whose packed corners are read instead of filtering; 0 for none.
+    pub(crate) packed_cells: u32,
     pub(crate) inter_block: bool,
     pub(crate) skipping: bool,
     pub(crate) emission: bool,
@@ -93,7 +93,7 @@ impl Reconstruction {
                 },
             ),
             (SPEC_MANUAL_FILTER, self.manual.into()),
-            (SPEC_PACKED_CELLS, self.packed_cells.into()),
+            (SPEC_PACKED_CELLS, self.packed_cells),
             (SPEC_BLOCKS_APART, (!self.inter_block).into()),
             (SPEC_SKIPPING, self.skipping.into()),
             (SPEC_EMISSION, self.emission.into()),

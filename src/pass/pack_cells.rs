@@ -35,9 +35,10 @@ impl PackCellsPass {
         images: &Images,
         cells: &PackedCells,
     ) -> Result<()> {
+        let constants = vec![(SPEC_PACKED_CELLS, cells.sample_bytes())];
         let pipeline = self
             .variants
-            .get(context, &interface::PACK_CELLS, Vec::new())?;
+            .get(context, &interface::PACK_CELLS, constants)?;
         recorder.use_image(&images.atlas, Access::SampledRead);
         recorder.use_image(&cells.image, Access::Storage);
         let bound = [

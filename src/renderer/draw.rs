@@ -32,7 +32,7 @@ impl Loaded {
         Reconstruction {
             interpolation: self.settings.march.interpolation,
             manual: self.images.manual_filter,
-            packed_cells: self.reads_packed_cells(),
+            packed_cells: self.packed_sample_bytes(),
             inter_block: self.settings.march.inter_block_interpolation,
             skipping: self.settings.march.empty_space_skipping,
             emission: emission && self.settings.curve.emits(),
@@ -358,7 +358,11 @@ impl Loaded {
         let frame_uniforms = recorder.slot().uniforms(bytemuck::bytes_of(&params))?;
         let tile = self.tile.unwrap_or_else(|| self.default_tile());
         // Its positions are those of an atlas that is the volume itself.
-        let packed_cells = self.residency.layout.is_grid() && self.reads_packed_cells();
+        let packed_cells = if self.residency.layout.is_grid() {
+            self.packed_sample_bytes()
+        } else {
+            0
+        };
         let Self {
             images,
             bare_pass,

@@ -65,9 +65,11 @@ impl Loaded {
         (cells, gradients)
     }
 
-    /// True when passes read packed corners instead of filtering.
-    pub(super) fn reads_packed_cells(&self) -> bool {
+    /// Bytes of the samples whose packed corners passes read instead of filtering; 0 for none.
+    pub(super) fn packed_sample_bytes(&self) -> u32 {
         let cells = self.images.packed_cells.as_ref();
-        cells.is_some_and(PackedCells::is_complete) && self.uploads.bricks_complete()
+        cells
+            .filter(|cells| cells.is_complete() && self.uploads.bricks_complete())
+            .map_or(0, PackedCells::sample_bytes)
     }
 }

@@ -12,8 +12,8 @@ pub struct Storage {
     /// Device memory for voxels and light, MiB, > 0; binds where it is tighter than `data_reduction`. Gradients of shaded pictures
     /// are stored in what it leaves, or estimated at every sample where they do not fit. Default 1024.
     pub memory_budget_mib: f64,
-    /// On drivers that filter textures on the processor, keep the corners of voxel cells of 8 bits side by side in a second copy
-    /// of the voxels, 1.8 bytes each, where the budget has room after the gradients: samples take about two thirds of the time.
+    /// On drivers that filter textures on the processor, keep the corners of voxel cells side by side in a second copy of the
+    /// voxels, 1.8 bytes for one of 8 bits and, up to 64 MiB, 5.3 for one of 16, where the budget has room after the gradients: samples take about two thirds of the time.
     /// Default true.
     pub packed_cells: bool,
 }

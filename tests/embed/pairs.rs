@@ -109,7 +109,7 @@ fn scene_of(choice: &Choice) -> Subject {
         voxels,
     ] = *choice;
     let placement = placed([1.0, 0.8, 1.2], [0.3, 0.1, 1.0], 35.0, [4.0, -3.0, 7.0]);
-    // One with packed corners, and three without.
+    // Two with packed corners, and two without.
     let (voxel_type, largest, packed) = [
         (VoxelType::F32, 1.0, true),
         (VoxelType::U16, 65535.0, true),

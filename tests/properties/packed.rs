@@ -31,7 +31,7 @@ fn subject(voxels: Voxels, low: f64, high: f64) -> Subject {
     Subject::new(volume, Camera::default(), [48, 40], 1.0, points)
 }
 
-fn kinds() -> [(&'static str, Subject); 2] {
+fn kinds() -> [(&'static str, Subject); 4] {
     [
         (
             "u8",
@@ -47,6 +47,22 @@ fn kinds() -> [(&'static str, Subject); 2] {
                 Voxels::I8(waves(-128.0, 127.0).map(|v| v as i8).collect()),
                 -128.0,
                 127.0,
+            ),
+        ),
+        (
+            "u16",
+            subject(
+                Voxels::U16(waves(0.0, 65535.0).map(|v| v as u16).collect()),
+                0.0,
+                65535.0,
+            ),
+        ),
+        (
+            "i16",
+            subject(
+                Voxels::I16(waves(-32768.0, 32767.0).map(|v| v as i16).collect()),
+                -32768.0,
+                32767.0,
             ),
         ),
     ]
@@ -138,8 +154,15 @@ fn corners_are_packed_where_they_are_read_and_fit() {
     let filtered = bytes.with(|scene| scene.storage.packed_cells = false);
     assert!(picture == filtered.picture(&device));
 
-    let words = waves(0.0, 255.0).map(|v| v as u16).collect();
-    let words = subject(Voxels::U16(words), 0.0, 255.0);
-    assert!(!first(&words, &device).1, "of two bytes");
+    let floats = waves(0.0, 255.0).map(|v| v as f32).collect();
+    let floats = subject(Voxels::F32(floats), 0.0, 255.0);
+    assert!(!first(&floats, &device).1, "of four bytes");
+
+    // 79 x 236 x 237 texels of 16 bytes are more than 64 MiB.
+    let large = Voxels::U16(vec![40_000; 236 * 236 * 236]);
+    let large = Volume::axis_aligned(large, [236; 3], [1.0; 3]).unwrap();
+    let points = vec![point(0.0, [1.0; 3], 0.0), point(65535.0, [1.0; 3], 1.0)];
+    let large = Subject::new(large, Camera::default(), [16, 16], 1.0, points);
+    assert!(!first(&large, &device).1, "of two bytes, and many");
     assert_valid(&device);
 }

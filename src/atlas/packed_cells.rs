@@ -31,8 +31,7 @@ pub(crate) struct Packing {
 
 impl Packing {
     /// `None` where the device filters faster itself, samples have more than two bytes, those of two would take more than
-    /// [`MAX_BYTES_OF_TWO`], or the budget, which the texels of the
-    /// atlas and what belongs to each share, has no room.
+    /// [`MAX_BYTES_OF_TWO`], or the budget, which the texels of the atlas and what belongs to each share, has no room.
     pub(crate) fn of(
         context: &Context,
         store: &Store,

@@ -1,6 +1,7 @@
 //! The bench's limit for light: as many samples for each sample of the light volume as a ray has parts, and nothing else.
 //!
-//! Reads   the atlas as if it were one texture of the whole volume (SampledRead), packed corners, transfer (SampledGeneral), brick table and work list
+//! Reads   the atlas as if it were one texture of the whole volume (SampledRead), packed corners, transfer (SampledGeneral), brick
+//!         table and work list
 //! Writes  the light volume (Storage)
 //! Grid    one workgroup for each group of 4x4x4 samples of the work list
 //! Method  reads the texture and the light pass's opacity along the direction, wherever that leads; sums

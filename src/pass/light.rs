@@ -1,7 +1,7 @@
 //! Local ambient occlusion: one direction a frame for every sample of the light volume that can be seen.
 //!
-//! Reads   atlas, index, labels (SampledRead), skip, transfer, packed corners (SampledGeneral),
-//!         brick table and work lists (storage buffers the host wrote)
+//! Reads   atlas, index, labels (SampledRead), skip, transfer, packed corners (SampledGeneral), brick table and work
+//!         lists (storage buffers the host wrote)
 //! Writes  the light volume (Storage: a running mean, so each direction reads what the last one wrote)
 //! Grid    one workgroup for 4x4x4 samples of a brick; a second pass for samples that bricks share
 //! Method  Hernell, Ljung, Ynnerman 2007, eq. 1-5; where distances grow, parts between samples are interpolated
@@ -70,32 +70,15 @@ impl LightPass {
             work,
             volume,
         } = *resources;
-        let [
-            atlas,
-            index,
-            skip,
-            skip_loads,
-            transfer,
-            transfer_loads,
-            cells,
-        ] = use_field(recorder, images);
-        let [labels, label_table] = use_labels(recorder, images, labels);
+        let mut bound = use_field(recorder, images);
+        bound.extend(use_labels(recorder, images, labels));
         recorder.use_image(&images.light, Access::Storage);
-        let bound = [
+        bound.extend([
             (BINDING_VOLUME, Bound::Uniform(volume)),
-            atlas,
-            index,
-            skip,
-            skip_loads,
-            transfer,
-            transfer_loads,
-            cells,
             (BINDING_BRICKS, Bound::Storage(&lists.bricks)),
             (BINDING_WORK, Bound::Storage(&lists.trace)),
             (BINDING_LIGHT_STORE, Bound::StorageImage(&images.light)),
-            labels,
-            label_table,
-        ];
+        ]);
         recorder.bind(pipeline, &bound)?;
         for (first, count) in parts(0, work.trace.len()) {
             recorder.dispatch(

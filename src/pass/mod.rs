@@ -164,31 +164,27 @@ fn use_packed_cells<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> (u32
 }
 
 /// What every pass that samples and classifies the field reads: asks for the barriers and gives the bindings.
-fn use_field<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> [(u32, Bound<'a>); 7] {
+fn use_field<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> Vec<(u32, Bound<'a>)> {
     use crate::shader::generated::{
         BINDING_ATLAS, BINDING_INDEX, BINDING_SKIP, BINDING_SKIP_LOADS,
     };
-    let cells = use_packed_cells(recorder, images);
-    let field = [
+    let mut bound = vec![use_packed_cells(recorder, images)];
+    for (binding, image, sampler) in [
         (BINDING_ATLAS, &images.atlas, images.atlas_sampler()),
         (BINDING_INDEX, &images.index, &images.nearest),
-    ];
-    let [atlas, index] = field.map(|(binding, image, sampler)| {
+    ] {
         recorder.use_image(image, Access::SampledRead);
-        (binding, sampled(image, sampler))
-    });
+        bound.push((binding, sampled(image, sampler)));
+    }
     let bindings = [BINDING_SKIP, BINDING_SKIP_LOADS];
-    let [skip, skip_loads] = use_texels(recorder, bindings, &images.skip, &images.nearest);
-    let [transfer, transfer_loads] = use_transfer(recorder, images);
-    [
-        atlas,
-        index,
-        skip,
-        skip_loads,
-        transfer,
-        transfer_loads,
-        cells,
-    ]
+    bound.extend(use_texels(
+        recorder,
+        bindings,
+        &images.skip,
+        &images.nearest,
+    ));
+    bound.extend(use_transfer(recorder, images));
+    bound
 }
 
 /// The volume of gradients, for each kind of its texels; where it is of another kind, or there is none, images of the same kind stand

@@ -324,7 +324,7 @@ impl PicturePass {
             scene_depth,
             aux,
         } = *resources;
-        let field = use_field(recorder, images);
+        let mut bound = use_field(recorder, images);
         recorder.use_image(&images.light, Access::SampledGeneral);
         recorder.use_image(&self.unused_sampled, Access::SampledRead);
         recorder.use_image(&self.unused_volume, Access::SampledRead);
@@ -366,7 +366,6 @@ impl PicturePass {
             // Another image of its kind, which is not read.
             None => sampled(&images.atlas, images.atlas_sampler()),
         };
-        let mut bound = field.to_vec();
         bound.extend(use_labels(recorder, images, labels));
         bound.extend([
             (BINDING_VOLUME, Bound::Uniform(volume)),

@@ -62,7 +62,7 @@ impl ScatterPass {
         push: ScatterPush,
     ) -> Result<()> {
         let groups = groups_of(resources.scatter);
-        let mut bound = use_field(recorder, resources.images).to_vec();
+        let mut bound = use_field(recorder, resources.images);
         bound.extend(use_labels(recorder, resources.images, resources.labels));
         let medium = &resources.scatter.medium;
         let emission = &resources.scatter.emission;

@@ -69,10 +69,9 @@ impl ShadowPass {
             .variants
             .get(context, interface, reconstruction.constants())?;
         let shadow = &resources.medium_images.shadow;
-        let field = use_field(recorder, resources.images);
+        let mut bound = use_field(recorder, resources.images);
         let labels = use_labels(recorder, resources.images, resources.labels);
         recorder.use_image(shadow, Access::Storage);
-        let mut bound = field.to_vec();
         bound.extend(labels);
         bound.extend([
             (BINDING_VOLUME, Bound::Uniform(resources.volume)),

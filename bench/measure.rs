@@ -98,6 +98,7 @@ pub(crate) fn picture(
         voxel_bytes: volume.voxels().len() as u64 * volume.voxels().voxel_type().bytes() as u64,
         resident_bytes: stats.memory.device_bytes
             - stats.memory.packed_cells_bytes
+            - stats.memory.beams_bytes
             - PIXEL_BYTES * u64::from(case.image).pow(2),
         packed_bytes: stats.memory.packed_cells_bytes,
         uploaded_bytes: stats.memory.uploaded_bytes,

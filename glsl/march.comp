@@ -18,21 +18,15 @@
 #include "nodes.glsl"
 #include "target.glsl"
 #include "frame.glsl"
+#include "march_variant.glsl"
+#include "beams.glsl"
+#include "beam_runs.glsl"
 #include "field_gradient.glsl"
 #include "shade.glsl"
 #include "labels.glsl"
 #include "data_color.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-
-// When it is applied: after interpolation, before it, or along each segment (src/pass/picture.rs).
-const uint POST = 0u;
-const uint PRE = 1u;
-const uint PREINTEGRATED = 2u;
-layout(constant_id = SPEC_CLASSIFICATION) const uint CLASSIFICATION = 0;
-
-// Opacity alone, of which the optical depth is kept (Max's absorption-only model).
-layout(constant_id = SPEC_XRAY) const bool XRAY = false;
 
 // Samples that show something are searched for in a loop of its own, so that only they are shaded or looked up among the labels:
 // CPU drivers execute both sides of a branch. They also go on computing what a ray has found while others search, so that an
@@ -71,7 +65,13 @@ void add_segment(inout Accumulated acc, Ray ray, Brick b, Segment segment, Class
 #include "march_ends.glsl"
 
 void main() {
-    uvec2 px = frame_pixel();
+    uint bits_at = 0u;
+    uvec2 px;
+    if (BEAMS) {
+        px = beam_pixel(bits_at);
+    } else {
+        px = frame_pixel();
+    }
     if (is_outside(px)) {
         return;
     }
@@ -82,9 +82,9 @@ void main() {
     uint count = segment_count(ray, shift);
     uint whole = count - min(count, 1u);
     if (CLASSIFICATION == PREINTEGRATED) {
-        march_ends(acc, ray, whole, count, shift);
+        march_ends(acc, ray, bits_at, whole, count, shift);
     } else {
-        march_middles(acc, ray, whole, shift);
+        march_middles(acc, ray, bits_at, whole, shift);
     }
     if (count > 0u && acc.opacity < frame.early_termination) {
         Segment last = segment_of(whole, count, ray.extent, shift);
@@ -104,6 +104,5 @@ void main() {
             add_segment(acc, ray, b, last, c);
         }
     }
-    float depth = XRAY ? acc.optical_depth : expected_depth(acc);
-    frame_store(px, vec4(acc.radiance, acc.opacity), vec4(acc.depth_mm, float(acc.samples), acc.median_mm, depth));
+    march_store(px, acc);
 }

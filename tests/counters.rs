@@ -37,6 +37,8 @@ struct Counters {
     /// Of the picture at step 1, by classification.
     samples_post: u64,
     samples_preintegrated: u64,
+    /// The first again, by beams, which are cast where the processor is the device.
+    samples_beams: u64,
     /// Of 4 directions of 15 samples.
     light_samples: u64,
     /// The same, each distance between samples a part of a ray longer than the one before.
@@ -81,13 +83,15 @@ fn scene(opacities: [f64; 2], values: [f64; 2], classification: Classification) 
 
 fn count(headless: &Headless, volume: Volume, values: [f64; 2], opacities: [f64; 2]) -> Counters {
     let volume = Arc::new(volume);
-    let stats = |classification| {
-        let scene = scene(opacities, values, classification);
+    let stats = |classification, beams| {
+        let mut scene = scene(opacities, values, classification);
+        scene.march.beams = beams;
         let mut session = headless.load(volume.clone(), &scene).expect("a session");
         session.timed_frame().expect("a frame");
         session.stats().expect("statistics")
     };
-    let post = stats(Classification::Post);
+    let post = stats(Classification::Post, false);
+    let by_beams = stats(Classification::Post, true);
     let light_samples = |sampling, growth| {
         let mut lit = scene(opacities, values, Classification::Post);
         lit.ambient_occlusion = Some(AmbientOcclusion {
@@ -104,7 +108,8 @@ fn count(headless: &Headless, volume: Volume, values: [f64; 2], opacities: [f64;
     let pictures = 2 * 16 * u64::from(IMAGE).pow(2);
     Counters {
         samples_post: post.samples.taken,
-        samples_preintegrated: stats(Classification::Preintegrated).samples.taken,
+        samples_preintegrated: stats(Classification::Preintegrated, false).samples.taken,
+        samples_beams: by_beams.samples.taken,
         light_samples: light_samples(RaySampling::Uniform, None),
         growing_light_samples: light_samples(RaySampling::Distance, Some(1.0)),
         // Packed corners are there on some drivers alone.
@@ -114,7 +119,12 @@ fn count(headless: &Headless, volume: Volume, values: [f64; 2], opacities: [f64;
 }
 
 /// What differs by more than it may.
-fn complaints(name: &str, found: &Counters, expected: &Counters) -> Vec<String> {
+fn complaints(name: &str, found: &Counters, expected: &Counters, beams: bool) -> Vec<String> {
+    let expected_beams = if beams {
+        expected.samples_beams
+    } else {
+        expected.samples_post
+    };
     let rows = [
         (
             "samples_post",
@@ -126,6 +136,12 @@ fn complaints(name: &str, found: &Counters, expected: &Counters) -> Vec<String> 
             "samples_preintegrated",
             found.samples_preintegrated,
             expected.samples_preintegrated,
+            SAMPLES_TOLERANCE,
+        ),
+        (
+            "samples_beams",
+            found.samples_beams,
+            expected_beams,
             SAMPLES_TOLERANCE,
         ),
         (
@@ -189,6 +205,7 @@ fn counters_are_as_expected() {
         })
         .collect();
     assert_eq!(headless.validation_messages(), [""; 0]);
+    let beams = headless.device().device_type == "cpu";
 
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/counters.json");
     if std::env::var_os("UMBRAVOX_UPDATE_COUNTERS").is_some() {
@@ -201,7 +218,7 @@ fn counters_are_as_expected() {
     assert!(found.keys().eq(expected.keys()), "other scenes: {found:?}");
     let complaints: Vec<String> = found
         .iter()
-        .flat_map(|(name, found)| complaints(name, found, &expected[name]))
+        .flat_map(|(name, found)| complaints(name, found, &expected[name], beams))
         .collect();
     assert!(complaints.is_empty(), "\n  {}", complaints.join("\n  "));
 }
@@ -212,12 +229,13 @@ fn regressions_are_noticed() {
     let expected = || Counters {
         samples_post: 100_000,
         samples_preintegrated: 100_000,
+        samples_beams: 150_000,
         light_samples: 100_000,
         growing_light_samples: 100_000,
         resident_bytes: 100_000,
         uploaded_bytes: 100_000,
     };
-    assert!(complaints("same", &expected(), &expected()).is_empty());
+    assert!(complaints("same", &expected(), &expected(), true).is_empty());
     let more = Counters {
         samples_post: 100_101,
         light_samples: 99_000,
@@ -225,10 +243,12 @@ fn regressions_are_noticed() {
         resident_bytes: 101_000,
         ..expected()
     };
-    let said = complaints("more", &more, &expected()).join("; ");
+    let said = complaints("more", &more, &expected(), true).join("; ");
     for counter in ["samples_post", "light_samples", "uploaded_bytes"] {
         assert!(said.contains(counter), "{said}");
     }
+    let without_beams = complaints("without", &expected(), &expected(), false).join("; ");
+    assert!(without_beams.contains("samples_beams"), "{without_beams}");
     assert!(
         !said.contains("resident_bytes") && !said.contains("preintegrated"),
         "{said}"

@@ -23,12 +23,18 @@ Classified classify_between(Ray ray, Node front, Node back, uint i, uint count, 
 }
 
 // The first `whole` of `count` segments, sampled at their ends and integrated between.
-void march_ends(inout Accumulated acc, Ray ray, uint whole, uint count, float shift) {
+void march_ends(inout Accumulated acc, Ray ray, uint bits_at, uint whole, uint count, float shift) {
     uint i = 0u;
     if (i < whole) {
         do {
-            EndsRun run = next_run(ray, i, count, shift);
-            run.end = min(run.end, whole);
+            EndsRun run;
+            if (BEAMS) {
+                BeamRun shown = next_beam_run(bits_at, i, whole);
+                run = EndsRun(shown.first, shown.end);
+            } else {
+                run = next_run(ray, i, count, shift);
+                run.end = min(run.end, whole);
+            }
             i = run.first;
             if (i < run.end) {
                 vec3 front_ix = node_position(ray, i, count, shift);

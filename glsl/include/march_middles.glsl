@@ -13,22 +13,28 @@ Classified classify_middle(Ray ray, Brick b, Segment segment, bool shorter) {
 
 // The first `whole` segments, sampled at their middles. Jittered rays have a shorter first one too and take the exact
 // path throughout.
-void march_middles(inout Accumulated acc, Ray ray, uint whole, float shift) {
+void march_middles(inout Accumulated acc, Ray ray, uint bits_at, uint whole, float shift) {
     Heading heading = heading_of(ray.step_ix);
     uint i = 0u;
     if (i < whole) {
         do {
-            // Leaps first, in a loop of their own: its body is all that empty space costs.
-            vec3 p_ix;
-            bool empty;
+            vec3 p_ix = vec3(0.0);
             uint run_end;
-            do {
-                p_ix = ray_position(ray, inner_segment(i, shift).middle, volume.field_ix);
-                Region region = region_at(p_ix, block_of(p_ix), heading);
-                run_end = min(i + run_length(region, p_ix, heading), whole);
-                empty = region.empty;
-                i = empty ? run_end : i;
-            } while (empty && i < whole);
+            if (BEAMS) {
+                BeamRun run = next_beam_run(bits_at, i, whole);
+                i = run.first;
+                run_end = run.end;
+            } else {
+                // Leaps first, in a loop of their own: its body is all that empty space costs.
+                bool empty;
+                do {
+                    p_ix = ray_position(ray, inner_segment(i, shift).middle, volume.field_ix);
+                    Region region = region_at(p_ix, block_of(p_ix), heading);
+                    run_end = min(i + run_length(region, p_ix, heading), whole);
+                    empty = region.empty;
+                    i = empty ? run_end : i;
+                } while (empty && i < whole);
+            }
             Brick b = brick_at(p_ix);
             i = b.resident ? i : run_end;
             if (i < run_end) {

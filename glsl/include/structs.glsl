@@ -54,8 +54,8 @@ struct FrameParams {
     float value_from_sample;  // values in the file's units from texture samples: factor
     float value_offset;       // and summand
     float exposure;           // factor on the radiance that leaves the volume
-    float pad1;
-    float pad2;
+    uint beam_shift;          // a bit of a beam stands for 1 << beam_shift segments
+    uint beam_words;          // words of such bits for a beam; 0: there are no beams
 };
 
 // Isosurfaces, by value ascending.
@@ -72,6 +72,8 @@ struct SurfaceParams {
 struct MarchPush {
     uvec2 tile_px;      // first pixel
     uvec2 tile_end_px;  // one past the last pixel
+    uint beam_tile;     // number of the tile
+    uint first_beam;    // beams of the tiles before
 };
 
 // One direction of the light pass.

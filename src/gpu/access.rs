@@ -19,6 +19,8 @@ pub(crate) enum Access {
     SampledGeneral,
     /// Read and written as a storage buffer or image (`GENERAL`).
     Storage,
+    /// Group counts of an indirect dispatch, and read by the shader that is dispatched.
+    Indirect,
     /// Read by the host after the frame has completed.
     HostRead,
 }
@@ -35,7 +37,7 @@ pub(crate) struct Masks {
 impl Access {
     /// Every access.
     #[cfg(test)]
-    pub(crate) const ALL: [Self; 8] = [
+    pub(crate) const ALL: [Self; 9] = [
         Self::None,
         Self::Unknown,
         Self::TransferRead,
@@ -43,6 +45,7 @@ impl Access {
         Self::SampledRead,
         Self::SampledGeneral,
         Self::Storage,
+        Self::Indirect,
         Self::HostRead,
     ];
 
@@ -76,6 +79,12 @@ impl Access {
                 A::from_raw(A::SHADER_READ.as_raw() | A::SHADER_WRITE.as_raw()),
                 L::GENERAL,
                 true,
+            ),
+            Self::Indirect => (
+                S::from_raw(S::DRAW_INDIRECT.as_raw() | S::COMPUTE_SHADER.as_raw()),
+                A::from_raw(A::INDIRECT_COMMAND_READ.as_raw() | A::SHADER_READ.as_raw()),
+                L::GENERAL,
+                false,
             ),
             Self::HostRead => (S::HOST, A::HOST_READ, L::GENERAL, false),
         };

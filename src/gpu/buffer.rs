@@ -90,6 +90,15 @@ impl Buffer {
         self.handle
     }
 
+    /// Recording failed: whether its commands reach the device, and what the buffer holds, is not known.
+    pub(crate) fn forget(&self) {
+        self.access.set(Access::Unknown);
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
     fn mapped_pointer(&self) -> Result<*mut u8> {
         self.block
             .as_ref()

@@ -91,6 +91,9 @@ pub struct Capabilities {
     pub(crate) max_storage_images: u32,
     /// The device is a processor: it reads storage images faster than it fetches or filters texels of sampled ones.
     pub(crate) loads_texels: bool,
+    /// The device is a processor, which executes what a branch leaves out, and all rays of a subgroup as far as the longest: it gains
+    /// from beams (`glsl/beams.comp`).
+    pub(crate) casts_beams: bool,
     pub(crate) features: vk::PhysicalDeviceFeatures,
 }
 
@@ -173,6 +176,7 @@ impl Capabilities {
             max_loop_rounds: llvmpipe.then_some(LLVMPIPE_LOOP_ROUNDS),
             max_storage_images: properties.limits.max_per_stage_descriptor_storage_images,
             loads_texels: properties.device_type == vk::PhysicalDeviceType::CPU,
+            casts_beams: properties.device_type == vk::PhysicalDeviceType::CPU,
             dispatch_runs: if llvmpipe { llvmpipe_threads() } else { 1 },
             cache_uuid: properties.pipeline_cache_uuid,
             ids: [properties.vendor_id, properties.device_id],

@@ -31,6 +31,7 @@ pub(crate) use access::Access;
 pub(crate) use buffer::Buffer;
 pub(crate) use frame_slot::{FrameSlots, PassTime, Uniforms};
 pub(crate) use image::{Filter, Image, ImageInfo, Sampler};
+pub(crate) use memory::MemoryLocation;
 pub(crate) use owned_device::{OwnedDevice, OwnedDeviceInfo, OwnedRecording, list_devices};
 pub(crate) use pipeline::{Bound, Pipeline};
 pub(crate) use recorder::{CopyBox, HostTransition, HostUse, Recorder, transition_host_images};

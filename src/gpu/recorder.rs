@@ -304,6 +304,19 @@ impl<'a> Recorder<'a> {
         }
     }
 
+    /// Sets every byte of a buffer to 0.
+    pub(crate) fn fill_zero(&mut self, buffer: &Buffer) {
+        self.use_buffer(buffer, Access::TransferWrite);
+        self.flush();
+        // SAFETY: recording, outside a render pass; the buffer is alive until the frame completes; offset 0 and the whole size are
+        // always valid.
+        unsafe {
+            self.context
+                .device
+                .cmd_fill_buffer(self.cmd, buffer.handle(), 0, vk::WHOLE_SIZE, 0);
+        }
+    }
+
     /// Binds a pipeline with its resources. Barriers for them were asked for before.
     pub(crate) fn bind(&mut self, pipeline: &Pipeline, bound: &[(u32, Bound<'_>)]) -> Result<()> {
         // SAFETY: the slot's pool belongs to this frame; host views are valid by the contract of `embed`.
@@ -331,6 +344,35 @@ impl<'a> Recorder<'a> {
         push: &P,
         groups: [u32; 3],
     ) {
+        self.push(pipeline, push);
+        self.dispatch_bound(groups);
+    }
+
+    /// The same, with group counts that the device has written to the buffer, 12 bytes at `offset`; used as [`Access::Indirect`].
+    pub(crate) fn dispatch_indirect<P: crate::shader::GpuStruct>(
+        &mut self,
+        pipeline: &Pipeline,
+        push: &P,
+        groups: &Buffer,
+        offset: u64,
+    ) {
+        self.push(pipeline, push);
+        assert!(
+            offset.is_multiple_of(4) && offset + 12 <= groups.bytes(),
+            "group counts lie in their buffer"
+        );
+        // SAFETY: recording, with a pipeline bound that has its push constants; the counts lie in the buffer (asserted), which was
+        // made for this and lives until the frame completes; the passes that write counts keep them within the limits that every
+        // device has (65535).
+        unsafe {
+            self.context
+                .device
+                .cmd_dispatch_indirect(self.cmd, groups.handle(), offset);
+        }
+    }
+
+    /// Emits the barriers collected and pushes the constants of the bound pipeline.
+    fn push<P: crate::shader::GpuStruct>(&mut self, pipeline: &Pipeline, push: &P) {
         self.flush();
         debug_assert_eq!(
             pipeline.interface.push_constants.map(|l| l.name),
@@ -348,7 +390,6 @@ impl<'a> Recorder<'a> {
                 bytemuck::bytes_of(push),
             );
         }
-        self.dispatch_bound(groups);
     }
 
     /// Dispatches the bound pipeline, of a pass without push constants, after the barriers collected.

@@ -179,6 +179,8 @@ pub struct Session {
     times: stats::Times,
     /// Sample counts of the last picture, once read back.
     samples: Option<u64>,
+    /// The last picture has depths and sample counts.
+    layered: bool,
     /// Dropped last.
     device: SharedDevice,
 }
@@ -212,6 +214,7 @@ impl Session {
             view,
             times: stats::Times::default(),
             samples: None,
+            layered: false,
             device,
         };
         while session.submit(Work::UploadsOnly)?.bricks_missing > 0 {}
@@ -316,7 +319,7 @@ impl Session {
         if traced >= paths {
             return Ok(false);
         }
-        self.timed_frame()?;
+        self.draw(true)?;
         let traced = traced + 1;
         let noise = self.settings().lighting.scattering.noise;
         // Looked at when the number of paths has doubled: reading back costs as much as some paths.
@@ -381,20 +384,41 @@ impl Session {
     /// Nothing is left to draw where paths have drawn it.
     fn timed_frame_unless_traced(&mut self) -> Result<()> {
         if self.path_progress().0 == 0 {
-            self.timed_frame()?;
+            self.draw(true)?;
         }
         Ok(())
     }
 
-    /// One picture without read-back.
+    /// One picture without read-back: colour and opacity alone, as a host's command buffer records it, but for Monte Carlo without
+    /// depths and sample counts.
     ///
     /// # Errors
     /// As [`Session::frame`].
     pub fn timed_frame(&mut self) -> Result<FrameTime> {
+        self.draw(self.settings().traces_paths())
+    }
+
+    /// One picture. `layers`: depths and sample counts as well.
+    fn draw(&mut self, layers: bool) -> Result<FrameTime> {
         self.samples = None;
-        let time = self.timed(Work::PictureOnly)?;
+        self.layered = layers;
+        let watch = Stopwatch::start();
+        self.submit_drawing(Work::PictureOnly, layers)?;
+        let time = watch.elapsed();
         self.times.frame_ms = time.wall_ms;
         Ok(time)
+    }
+
+    /// Depths and sample counts of the last picture; draws it again where it had none, which counts in no time.
+    fn read_layers(&mut self) -> Result<Vec<[f32; 4]>> {
+        if !self.layered {
+            let times = std::mem::take(&mut self.times);
+            let drawn = self.submit_drawing(Work::PictureOnly, true);
+            self.times = times;
+            drawn?;
+            self.layered = true;
+        }
+        Ok(texels(&self.read_back(&self.aux, PICTURE_TEXEL_BYTES)?))
     }
 
     /// The light volume on the full grid; traces what is missing first.
@@ -407,7 +431,8 @@ impl Session {
         light_volume::unpack(self.renderer.loaded(), bytemuck::cast_slice(&atlas))
     }
 
-    /// Statistics of the last picture and of the light so far. Reads the sample counts back where no picture was.
+    /// Statistics of the last picture and of the light so far. Of a timed picture samples are counted now, by drawing it again
+    /// as settings and camera are now.
     ///
     /// # Errors
     /// As [`Session::frame`].
@@ -415,8 +440,8 @@ impl Session {
         let taken = match self.samples {
             Some(taken) => taken,
             None if self.times.frame_ms > 0.0 => {
-                let aux: Vec<[f32; 4]> = texels(&self.read_back(&self.aux, PICTURE_TEXEL_BYTES)?);
-                aux.iter().map(|a| a[1] as u64).sum()
+                let layers = self.read_layers()?;
+                layers.iter().map(|a| a[1] as u64).sum()
             }
             None => 0,
         };
@@ -442,7 +467,7 @@ impl Session {
         lock(&self.device).info.clone()
     }
 
-    fn frame_of<'a>(&self, aux: &'a Image, through: Option<&'a Image>) -> Frame<'a> {
+    fn frame_of<'a>(&self, aux: Option<&'a Image>, through: Option<&'a Image>) -> Frame<'a> {
         let size_px = self.size();
         Frame {
             rays: RayBasis::from_view(&self.view, size_px),
@@ -455,7 +480,7 @@ impl Session {
                 background: [0.0; 4],
             },
             depth: None,
-            aux: Some(aux),
+            aux,
             through,
             exposure: 1.0,
             number: self.renderer.loaded().light_progress().0,
@@ -465,7 +490,12 @@ impl Session {
 
     /// Records, submits and waits.
     fn submit(&mut self, work: Work) -> Result<FrameReport> {
-        let frame = self.frame_of(&self.aux, self.through.as_ref());
+        self.submit_drawing(work, false)
+    }
+
+    /// The same. `layers`: with depths and sample counts, where the work draws a picture.
+    fn submit_drawing(&mut self, work: Work, layers: bool) -> Result<FrameReport> {
+        let frame = self.frame_of(layers.then_some(&self.aux), self.through.as_ref());
         let mut device = lock(&self.device);
         let mut index = 0;
         let submitted = device.submit(|recording| {

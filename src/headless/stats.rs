@@ -118,6 +118,8 @@ pub struct MemoryStats {
     pub packed_cells_bytes: u64,
     /// Of those: stored gradients (`lighting.stored_gradients`); 0 without.
     pub gradients_bytes: u64,
+    /// Of those: what beams leave for the march (`march.beams`), with the size of the picture; 0 without.
+    pub beams_bytes: u64,
     /// Bytes of bricks that were staged and uploaded since the volume was loaded.
     pub uploaded_bytes: u64,
     /// Peak on the host; 0 where it is not counted (the program counts it).
@@ -229,6 +231,7 @@ pub(super) fn of(
             device_bytes,
             packed_cells_bytes,
             gradients_bytes,
+            beams_bytes: loaded.beams_bytes(),
             uploaded_bytes: times.uploaded_bytes,
             host_peak_bytes: 0,
         },

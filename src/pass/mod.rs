@@ -2,6 +2,7 @@
 
 pub(crate) mod bare;
 pub(crate) mod bare_light;
+pub(crate) mod beams;
 pub(crate) mod gradients;
 pub(crate) mod light;
 pub(crate) mod pack_cells;

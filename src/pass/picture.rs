@@ -2,6 +2,7 @@
 //!
 //! Reads   atlas, index, cell ranges, labels, filtered gradients (SampledRead), skip, transfer and pre-integrated tables, packed corners,
 //!         loaded gradients, light (SampledGeneral), the host's depth
+//!         where beams are cast also what they left (Indirect, Storage)
 //! Writes  the target (Storage; read too when it is blended over), depths and sample counts (Storage)
 //! Grid    one workgroup for 8x8 pixels, one dispatch a tile
 //! Method  emission-absorption with exact opacity correction; skipping by leaps, one map for each octant of directions
@@ -12,20 +13,22 @@ use std::sync::Arc;
 
 use ash::vk;
 
+use super::beams::{Beams, TILE_BYTES, beam_groups, beam_tiles};
 use super::{
-    Reconstruction, Variants, gradient_constant, sampled, tile_groups, tiles, use_field,
-    use_gradients, use_labels, use_texels,
+    Reconstruction, Variants, gradient_constant, sampled, tile_groups, use_field, use_gradients,
+    use_labels, use_texels,
 };
 use crate::atlas::{
     GradientTexels, GradientVolume, Images, LabelImages, MediumImages, TableImages,
 };
 use crate::error::Result;
-use crate::gpu::{Access, Bound, Context, Image, ImageInfo, Recorder, Sampler, Uniforms};
+use crate::gpu::{
+    Access, Bound, Buffer, Context, Image, ImageInfo, MemoryLocation, Recorder, Sampler, Uniforms,
+};
 use crate::scene::{Classification, Gradient, Majorant, OpticalModel, RayProjection, Reflectance};
 use crate::shader::PassInterface;
 use crate::shader::generated::*;
 use crate::shader::interface::{self, PicturePasses};
-use crate::shader::structs::MarchPush;
 
 /// How the light that reaches a sample is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,6 +116,8 @@ pub(crate) struct PictureVariant {
     pub(crate) transport: Option<TransportVariant>,
     /// Samples have the colours of the data.
     pub(crate) data_color: bool,
+    /// Beams find out first where rays have something to do.
+    pub(crate) beams: bool,
     pub(crate) jitter: bool,
     pub(crate) aux: bool,
     pub(crate) scene_depth: bool,
@@ -122,6 +127,16 @@ pub(crate) struct PictureVariant {
 }
 
 impl PictureVariant {
+    /// The march's, or that of the beams before it.
+    fn interface_of(self, passes: &'static PicturePasses) -> &'static PassInterface {
+        match self.blend {
+            None => &passes.any,
+            Some(vk::Format::R8G8B8A8_UNORM) => &passes.blend_rgba8,
+            Some(vk::Format::R16G16B16A16_SFLOAT) => &passes.blend_rgba16f,
+            Some(_) => &passes.blend_rgba32f,
+        }
+    }
+
     fn interface(self) -> &'static PassInterface {
         let passes: &PicturePasses = match self.projection {
             _ if self.transport.is_some_and(|t| t.paths.is_some()) => &interface::PATHTRACE,
@@ -132,12 +147,7 @@ impl PictureVariant {
             }
             RayProjection::Isosurface => &interface::ISOSURFACE,
         };
-        match self.blend {
-            None => &passes.any,
-            Some(vk::Format::R8G8B8A8_UNORM) => &passes.blend_rgba8,
-            Some(vk::Format::R16G16B16A16_SFLOAT) => &passes.blend_rgba16f,
-            Some(_) => &passes.blend_rgba32f,
-        }
+        self.interface_of(passes)
     }
 
     /// Formats of targets that can be blended over.
@@ -171,6 +181,7 @@ impl PictureVariant {
             (SPEC_LIGHT, self.light.into()),
             (SPEC_DIFFUSE, self.diffuse.into()),
             (SPEC_DATA_COLOR, self.data_color.into()),
+            (SPEC_BEAMS, self.beams.into()),
             (SPEC_JITTER, self.jitter.into()),
             (SPEC_AUX, self.aux.into()),
             (SPEC_SCENE_DEPTH, self.scene_depth.into()),
@@ -211,6 +222,8 @@ pub(crate) struct PictureResources<'a> {
     pub(crate) scene_depth: Option<(vk::ImageView, vk::ImageLayout)>,
     /// Depths and sample counts.
     pub(crate) aux: Option<&'a Image>,
+    /// What beams leave for the march.
+    pub(crate) beams: Option<&'a Beams>,
 }
 
 /// What the march of a medium reads of it.
@@ -231,11 +244,13 @@ fn use_medium<'a>(recorder: &mut Recorder<'_>, images: &'a MediumImages) -> [(u3
 /// The pass.
 pub(crate) struct PicturePass {
     variants: Variants,
+    beam_variants: Variants,
     /// Stands in for images that a variant does not read, and for outputs it does not write.
     unused_sampled: Image,
     unused_volume: Image,
     unused_storage: Image,
     unused_table: Image,
+    unused_buffer: Buffer,
     nearest: Sampler,
 }
 
@@ -257,6 +272,7 @@ impl PicturePass {
         let sampled = vk::ImageUsageFlags::SAMPLED;
         Ok(Self {
             variants: Variants::default(),
+            beam_variants: Variants::default(),
             unused_sampled: unused(
                 "umbravox.picture.no_image",
                 vk::Format::R32_SFLOAT,
@@ -280,6 +296,13 @@ impl PicturePass {
                 vk::Format::R32G32B32A32_SFLOAT,
                 false,
                 sampled | vk::ImageUsageFlags::STORAGE,
+            )?,
+            unused_buffer: Buffer::new(
+                context,
+                "umbravox.picture.no_beams",
+                16,
+                vk::BufferUsageFlags::STORAGE_BUFFER,
+                MemoryLocation::Device,
             )?,
             nearest: Sampler::new(
                 context,
@@ -323,6 +346,7 @@ impl PicturePass {
             target,
             scene_depth,
             aux,
+            beams,
         } = *resources;
         let mut bound = use_field(recorder, images);
         recorder.use_image(&images.light, Access::SampledGeneral);
@@ -401,13 +425,38 @@ impl PicturePass {
             bound.push((binding, Bound::StorageImage(image)));
         }
         // Each kind of picture takes its own selection.
+        if let Some(beams) = beams {
+            let buffers = beams.buffers();
+            bound.extend(buffers.map(|(binding, buffer)| (binding, Bound::Storage(buffer))));
+            let interface = variant.interface_of(&interface::BEAMS);
+            let casting = self
+                .beam_variants
+                .get(context, interface, variant.constants())?;
+            recorder.fill_zero(&beams.tiles);
+            for (_, buffer) in buffers {
+                recorder.use_buffer(buffer, Access::Storage);
+            }
+            recorder.bind(casting, &bound)?;
+            for push in beam_tiles(size_px, tile) {
+                recorder.dispatch(casting, &push, beam_groups(&push));
+            }
+            for (_, buffer) in buffers {
+                recorder.use_buffer(buffer, Access::Indirect);
+            }
+            recorder.bind(pipeline, &bound)?;
+            for push in beam_tiles(size_px, tile) {
+                let at = TILE_BYTES * u64::from(push.beam_tile);
+                recorder.dispatch_indirect(pipeline, &push, &beams.tiles, at);
+            }
+            return Ok(());
+        }
+        for binding in [BINDING_BEAM_TILES, BINDING_BEAM_LIST, BINDING_BEAM_RUNS] {
+            bound.push((binding, Bound::Storage(&self.unused_buffer)));
+        }
         recorder.bind(pipeline, &bound)?;
-        for (tile_px, tile_end_px) in tiles(size_px, tile) {
-            let push = MarchPush {
-                tile_px,
-                tile_end_px,
-            };
-            recorder.dispatch(pipeline, &push, tile_groups(tile_px, tile_end_px));
+        for push in beam_tiles(size_px, tile) {
+            let groups = tile_groups(push.tile_px, push.tile_end_px);
+            recorder.dispatch(pipeline, &push, groups);
         }
         Ok(())
     }

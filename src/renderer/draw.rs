@@ -14,6 +14,7 @@ use crate::error::{Error, Result};
 use crate::gpu::{Context, Recorder, Uniforms};
 use crate::pass::Reconstruction;
 use crate::pass::bare::BareResources;
+use crate::pass::beams::BeamLengths;
 use crate::pass::picture::{PictureResources, PictureVariant};
 use crate::pass::scatter::ScatterVariant;
 use crate::pass::shadow::ShadowResources;
@@ -36,10 +37,15 @@ impl Loaded {
             inter_block: self.settings.march.inter_block_interpolation,
             skipping: self.settings.march.empty_space_skipping,
             emission: emission && self.settings.curve.emits(),
-            uniform_grid: self.residency.layout.is_grid() && self.uploads.bricks_complete(),
+            uniform_grid: self.is_uniform_grid(),
             exact_bins: self.exact_bins,
             labels: self.labels.is_some(),
         }
+    }
+
+    /// Every block is there at the finest level, and bricks lie as their blocks do.
+    pub(super) fn is_uniform_grid(&self) -> bool {
+        self.residency.layout.is_grid() && self.uploads.bricks_complete()
     }
 
     pub(crate) fn volume_params(&self) -> VolumeParams {
@@ -220,7 +226,11 @@ impl Loaded {
     ) -> Result<()> {
         let target = frame.target;
         self.check_rounds(context)?;
-        let mut params = self.frame_params(frame);
+        let lengths = self.beam_lengths(context, target.size_px);
+        let beams = lengths
+            .map(|lengths| self.take_beams(context, target.size_px, lengths))
+            .transpose()?;
+        let mut params = self.frame_params(frame, lengths);
         if self.settings.traces_paths() {
             params.frame = self.next_path(context, frame)?;
         }
@@ -246,13 +256,14 @@ impl Loaded {
             stored_gradients: self.read_gradients().map(GradientVolume::texels),
             transport: self.transport.as_ref().map(Transport::variant),
             data_color: self.images.color.is_some(),
+            beams: beams.is_some(),
             jitter: march.jitter,
             aux: frame.aux.is_some(),
             scene_depth: frame.depth.is_some(),
             encode_srgb: target.encode_srgb,
             blend: target.blend.then_some(target.format),
         };
-        let mut tile = self.tile.unwrap_or_else(|| self.default_tile());
+        let mut tile = self.march_tile();
         if self.settings.traces_paths() {
             tile = tile.min(PATHS_TILE);
         }
@@ -267,7 +278,7 @@ impl Loaded {
             uploads,
             ..
         } = self;
-        recorder.pass(pass_name::MARCH, |recorder| {
+        let recorded = recorder.pass(pass_name::MARCH, |recorder| {
             let resources = PictureResources {
                 images,
                 labels: labels.as_ref(),
@@ -283,9 +294,12 @@ impl Loaded {
                 target: target.view,
                 scene_depth: frame.depth.map(|d| (d.view, d.layout)),
                 aux: frame.aux,
+                beams: beams.as_ref(),
             };
             picture_pass.record(context, recorder, variant, &resources, target.size_px, tile)
-        })
+        });
+        self.beams = beams;
+        recorded
     }
 
     /// Refuses pictures of which some device would leave a part out without a word.
@@ -308,7 +322,13 @@ impl Loaded {
         } else {
             0.0
         };
-        let rounds = segments * (1.0 + of_shadows);
+        // The loop over samples, that over runs of eight at least and the search for the next, and where samples are shaded or looked
+        // up among labels a search for those that show something.
+        let searched = self.light.is_some()
+            || self.labels.is_some()
+            || lighting.shading == Shading::Diffuse;
+        let of_samples = if searched { 2.25 } else { 1.25 };
+        let rounds = segments * (of_samples + of_shadows);
         if rounds <= f64::from(most) {
             return Ok(());
         }
@@ -354,9 +374,9 @@ impl Loaded {
         volume: Uniforms,
         frame: &Frame<'_>,
     ) -> Result<()> {
-        let params = self.frame_params(frame);
+        let params = self.frame_params(frame, None);
         let frame_uniforms = recorder.slot().uniforms(bytemuck::bytes_of(&params))?;
-        let tile = self.tile.unwrap_or_else(|| self.default_tile());
+        let tile = self.march_tile();
         // Its positions are those of an atlas that is the volume itself.
         let packed_cells = if self.residency.layout.is_grid() {
             self.packed_sample_bytes()
@@ -390,6 +410,11 @@ impl Loaded {
             .map_or(0.0, |ao| ao.bias) as f32
     }
 
+    /// Edge of the tiles that pictures are drawn in.
+    pub(super) fn march_tile(&self) -> u32 {
+        self.tile.unwrap_or_else(|| self.default_tile())
+    }
+
     /// The largest tile whose dispatch takes a bounded number of samples, a multiple of 8.
     pub(crate) fn default_tile(&self) -> u32 {
         let longest = self.longest_mm() / self.step_mm();
@@ -397,18 +422,23 @@ impl Loaded {
     }
 
     /// Longest way through the volume, at least.
-    fn longest_mm(&self) -> f64 {
+    pub(super) fn longest_mm(&self) -> f64 {
         let volume = &self.store.volume;
         let extent =
             DVec3::from_array(volume.size().map(f64::from)) * DVec3::from_array(volume.spacing());
         extent.length()
     }
 
-    fn step_mm(&self) -> f64 {
+    pub(super) fn step_mm(&self) -> f64 {
         self.settings.march.step * self.store.volume.min_spacing()
     }
 
-    pub(crate) fn frame_params(&self, frame: &Frame<'_>) -> FrameParams {
+    /// `beams`: how rays are cut into runs, where the picture's are.
+    pub(crate) fn frame_params(
+        &self,
+        frame: &Frame<'_>,
+        beams: Option<BeamLengths>,
+    ) -> FrameParams {
         let Settings {
             march,
             lighting,
@@ -460,8 +490,8 @@ impl Loaded {
             value_from_sample: samples.scale as f32,
             value_offset: samples.offset as f32,
             exposure: frame.exposure,
-            pad1: 0.0,
-            pad2: 0.0,
+            beam_shift: beams.map_or(0, |b| b.shift),
+            beam_words: beams.map_or(0, |b| b.words),
         }
     }
 

@@ -20,6 +20,7 @@ use crate::gpu::Context;
 use crate::occlusion;
 use crate::pass::bare::BarePass;
 use crate::pass::bare_light::BareLightPass;
+use crate::pass::beams::Beams;
 use crate::pass::gradients::GradientsPass;
 use crate::pass::light::LightPass;
 use crate::pass::pack_cells::PackCellsPass;
@@ -46,6 +47,7 @@ pub(crate) struct Loaded {
     pub(super) light: Option<LightProgress>,
     pub(super) transport: Option<Transport>,
     pub(super) paths: Option<Paths>,
+    pub(super) beams: Option<Beams>,
     pub(super) uploads: Uploads,
     pub(super) picture_pass: PicturePass,
     pub(super) light_pass: LightPass,
@@ -98,6 +100,7 @@ impl Loaded {
             light,
             transport,
             paths: None,
+            beams: None,
             uploads,
             picture_pass: PicturePass::new(context)?,
             light_pass: LightPass::default(),
@@ -295,6 +298,7 @@ impl Loaded {
         self.gradients.iter_mut().for_each(GradientVolume::forget);
         self.transport.iter_mut().for_each(Transport::forget);
         self.paths.iter_mut().for_each(Paths::forget);
+        self.beams.iter_mut().for_each(Beams::forget);
         self.labels.iter_mut().for_each(LabelImages::forget);
         self.uploads = Uploads::all(&self.residency);
         self.restart_light();

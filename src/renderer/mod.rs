@@ -3,6 +3,7 @@
 //! [`Renderer`] owns the data, the images and the passes of one volume. It records; who submits is no concern of it
 //! (`embed` for a host's command buffer, `headless` for our own).
 
+mod beams;
 mod draw;
 mod gradients;
 mod light;

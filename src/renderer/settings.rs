@@ -90,7 +90,7 @@ impl Settings {
     }
 
     /// True when pictures are traced by Monte Carlo.
-    pub(super) fn traces_paths(&self) -> bool {
+    pub(crate) fn traces_paths(&self) -> bool {
         self.lighting.model == OpticalModel::MultipleScattering
             && self.lighting.scattering.method == ScatteringMethod::MonteCarlo
     }
@@ -139,11 +139,13 @@ impl Settings {
 
     /// True when segments are classified by the values at their ends.
     pub(super) fn is_preintegrated(&self) -> bool {
-        matches!(
-            self.march.projection,
-            RayProjection::Composite | RayProjection::Xray
-        ) && !self.transports()
-            && self.march.classification() == Classification::Preintegrated
+        self.composites() && self.march.classification() == Classification::Preintegrated
+    }
+
+    /// True when samples of a ray are composited by emission and absorption, or their opacities by absorption alone.
+    pub(super) fn composites(&self) -> bool {
+        let projection = self.march.projection;
+        matches!(projection, RayProjection::Composite | RayProjection::Xray) && !self.transports()
     }
 
     /// The estimator of the gradients that are to be stored, if samples need some and all blocks are one field.

@@ -16,6 +16,30 @@ pub static BARE_LIGHT: Module = Module {
     words: include_spirv!("bare_light.spv"),
 };
 
+/// `spirv/beams.spv`.
+pub static BEAMS: Module = Module {
+    name: "beams",
+    words: include_spirv!("beams.spv"),
+};
+
+/// `spirv/beams_blend_rgba16f.spv`.
+pub static BEAMS_BLEND_RGBA16F: Module = Module {
+    name: "beams_blend_rgba16f",
+    words: include_spirv!("beams_blend_rgba16f.spv"),
+};
+
+/// `spirv/beams_blend_rgba32f.spv`.
+pub static BEAMS_BLEND_RGBA32F: Module = Module {
+    name: "beams_blend_rgba32f",
+    words: include_spirv!("beams_blend_rgba32f.spv"),
+};
+
+/// `spirv/beams_blend_rgba8.spv`.
+pub static BEAMS_BLEND_RGBA8: Module = Module {
+    name: "beams_blend_rgba8",
+    words: include_spirv!("beams_blend_rgba8.spv"),
+};
+
 /// `spirv/diffuse_gather.spv`.
 pub static DIFFUSE_GATHER: Module = Module {
     name: "diffuse_gather",
@@ -225,6 +249,10 @@ pub static ZONAL: Module = Module {
 pub static MODULES: &[&Module] = &[
     &BARE,
     &BARE_LIGHT,
+    &BEAMS,
+    &BEAMS_BLEND_RGBA16F,
+    &BEAMS_BLEND_RGBA32F,
+    &BEAMS_BLEND_RGBA8,
     &DIFFUSE_GATHER,
     &DIFFUSION_RELAX,
     &DIFFUSION_SOURCE,
@@ -373,6 +401,12 @@ pub const BINDING_PREINTEGRATED_EMISSION_LOADS: u32 = 54;
 
 pub const BINDING_GRADIENTS_HALVES: u32 = 55;
 
+pub const BINDING_BEAM_TILES: u32 = 56;
+
+pub const BINDING_BEAM_LIST: u32 = 57;
+
+pub const BINDING_BEAM_RUNS: u32 = 58;
+
 pub const SPEC_INTERPOLATION: u32 = 0;
 
 pub const SPEC_BLOCKS_APART: u32 = 1;
@@ -440,3 +474,5 @@ pub const SPEC_GROWTH: u32 = 31;
 pub const SPEC_RUNS: u32 = 32;
 
 pub const SPEC_LOADS: u32 = 33;
+
+pub const SPEC_BEAMS: u32 = 34;

@@ -108,10 +108,10 @@ gpu_struct! {
         pub value_offset: f32,
         /// Factor on the radiance that leaves the volume.
         pub exposure: f32,
-        /// Unused.
-        pub pad1: f32,
-        /// Unused.
-        pub pad2: f32,
+        /// A bit of a beam stands for `1 << beam_shift` segments.
+        pub beam_shift: u32,
+        /// Words of such bits for a beam; 0: there are no beams.
+        pub beam_words: u32,
     }
 }
 
@@ -140,6 +140,10 @@ gpu_struct! {
         pub tile_px: [u32; 2],
         /// One past the last pixel.
         pub tile_end_px: [u32; 2],
+        /// Number of the tile.
+        pub beam_tile: u32,
+        /// Beams of the tiles before.
+        pub first_beam: u32,
     }
 }
 

@@ -1,4 +1,4 @@
-//! What changes no bit of a picture: skipping, tiles, memory, repetition, a session beside it.
+//! What changes no bit of a picture: skipping, beams, tiles, memory, repetition, a session beside it.
 
 use umbravox::headless::Headless;
 use umbravox::picture::Picture;
@@ -40,7 +40,11 @@ fn without_skipping(subject: &Subject) -> Subject {
     subject.with(|scene| scene.march.empty_space_skipping = false)
 }
 
-/// What is compared, besides skipping, in turn.
+fn without_beams(subject: &Subject) -> Subject {
+    subject.with(|scene| scene.march.beams = false)
+}
+
+/// What is compared, besides skipping and beams, in turn.
 fn variants() -> Vec<(String, Headless)> {
     let mut variants = vec![("run to run".to_owned(), device(|_| {}))];
     variants.extend(TILES.map(|tile| {
@@ -60,7 +64,7 @@ fn pictures_depend_on_the_scene_alone() {
     let plain = device(|_| {});
     let variants = variants();
     let mut complaints = Vec::new();
-    let (mut visible, mut skipped, mut lit) = (0, 0, 0);
+    let (mut visible, mut skipped, mut lit, mut beamed) = (0, 0, 0, 0);
     let cases = cases();
     for seed in 0..cases {
         let subject = varied(seed);
@@ -83,6 +87,8 @@ fn pictures_depend_on_the_scene_alone() {
             }
         };
         compare("skipping off", &unskipped);
+        let by_itself = without_beams(&subject).picture(&plain);
+        compare("beams off", &by_itself);
         compare("again", &session.frame().unwrap());
         let (name, device) = &variants[seed as usize % variants.len()];
         compare(name, &subject.picture(device));
@@ -95,8 +101,11 @@ fn pictures_depend_on_the_scene_alone() {
         visible += usize::from(shown(&expected) > 1.0);
         let count = |picture: &Picture| picture.samples.iter().sum::<u32>();
         skipped += usize::from(count(&expected) < count(&unskipped));
+        beamed += usize::from(count(&expected) != count(&by_itself));
     }
-    println!("{cases} cases: {visible} visible, {skipped} with skipped samples, {lit} lit");
+    println!(
+        "{cases} cases: {visible} visible, {skipped} with skipped samples, {lit} lit, {beamed} with other samples by beams"
+    );
     for (_, device) in &variants {
         assert_valid(device);
     }
@@ -105,7 +114,7 @@ fn pictures_depend_on_the_scene_alone() {
     let most = cases as usize;
     // Runs of a fixed length look at samples that leaps alone would spare: in small volumes often at all of them.
     assert!(
-        visible > most / 2 && skipped > most / 8 && lit > most / 8,
+        visible > most / 2 && skipped > most / 8 && lit > most / 8 && beamed > most / 32,
         "the cases are about something"
     );
 }

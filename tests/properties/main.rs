@@ -2,6 +2,7 @@
 //! settings and never the camera. Every device validates, and any message is an error.
 
 mod analytic;
+mod beams;
 mod bits;
 mod colors;
 mod edits;

@@ -162,9 +162,10 @@ const MARCH_SPEC_IDS: &[u32] = &[
     SPEC_PACKED_CELLS,
     SPEC_RUNS,
     SPEC_LOADS,
+    SPEC_BEAMS,
 ];
 
-const fn march_bindings(target: Access) -> [Binding; 23] {
+const fn march_bindings(target: Access) -> [Binding; 26] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -189,6 +190,9 @@ const fn march_bindings(target: Access) -> [Binding; 23] {
         storage_image(BINDING_PREINTEGRATED_LOADS, Access::Read),
         storage_image(BINDING_PREINTEGRATED_EMISSION_LOADS, Access::Read),
         storage_image(BINDING_GRADIENTS_HALVES, Access::Read),
+        storage_read(BINDING_BEAM_TILES),
+        storage_read(BINDING_BEAM_LIST),
+        storage_read(BINDING_BEAM_RUNS),
     ]
 }
 
@@ -205,6 +209,48 @@ pub const MARCH: PicturePasses = picture(
         &march_bindings(Access::ReadWrite),
     ],
     MARCH_SPEC_IDS,
+);
+
+const BEAMS_SPEC_IDS: &[u32] = &[
+    SPEC_SKIPPING,
+    SPEC_JITTER,
+    SPEC_AUX,
+    SPEC_SCENE_DEPTH,
+    SPEC_ENCODE_SRGB,
+    SPEC_UNIFORM_GRID,
+    SPEC_CLASSIFICATION,
+    SPEC_XRAY,
+    SPEC_RUNS,
+    SPEC_LOADS,
+];
+
+const fn beams_bindings(target: Access) -> [Binding; 9] {
+    [
+        uniform(BINDING_VOLUME),
+        uniform(BINDING_FRAME),
+        sampled(BINDING_SKIP),
+        storage_image(BINDING_TARGET, target),
+        storage_image(BINDING_AUX, Access::Write),
+        storage_image(BINDING_SKIP_LOADS, Access::Read),
+        storage_buffer(BINDING_BEAM_TILES),
+        storage_buffer(BINDING_BEAM_LIST),
+        storage_buffer(BINDING_BEAM_RUNS),
+    ]
+}
+
+/// Where the march has something to do.
+pub const BEAMS: PicturePasses = picture(
+    [
+        &generated::BEAMS,
+        &generated::BEAMS_BLEND_RGBA8,
+        &generated::BEAMS_BLEND_RGBA16F,
+        &generated::BEAMS_BLEND_RGBA32F,
+    ],
+    [
+        &beams_bindings(Access::Write),
+        &beams_bindings(Access::ReadWrite),
+    ],
+    BEAMS_SPEC_IDS,
 );
 
 const EXTREMUM_SPEC_IDS: &[u32] = &[
@@ -472,6 +518,10 @@ pub const PASSES: &[PassInterface] = &[
     MARCH.blend_rgba8,
     MARCH.blend_rgba16f,
     MARCH.blend_rgba32f,
+    BEAMS.any,
+    BEAMS.blend_rgba8,
+    BEAMS.blend_rgba16f,
+    BEAMS.blend_rgba32f,
     EXTREMUM.any,
     EXTREMUM.blend_rgba8,
     EXTREMUM.blend_rgba16f,

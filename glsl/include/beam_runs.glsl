@@ -1,0 +1,47 @@
+// How the march follows the beams that beams.comp left: which one an invocation belongs to, and which segments may show something.
+// Includes beams.glsl first.
+
+// Where the atlas is the volume. A subgroup's rays go through the same segments then, none looks for a way of its own, and no
+// subgroup runs for pixels that show nothing: CPU drivers execute what a branch leaves out.
+layout(constant_id = SPEC_BEAMS) const bool BEAMS = false;
+
+layout(set = 0, binding = BINDING_BEAM_TILES) readonly buffer BeamTiles { uvec4 beam_tiles[]; };
+layout(set = 0, binding = BINDING_BEAM_LIST) readonly buffer BeamList { uint beam_list[]; };
+layout(set = 0, binding = BINDING_BEAM_RUNS) readonly buffer BeamRuns { uint beam_runs[]; };
+
+// The pixel of an invocation, beyond the tile where the list has ended; and where its beam's bits are.
+uvec2 beam_pixel(out uint bits_at) {
+    uint at = gl_LocalInvocationIndex;
+    uint group = dealt(gl_WorkGroupID.y, gl_NumWorkGroups.y) * BEAM_GROUPS_A_ROW + gl_WorkGroupID.x;
+    uint place = group * BEAMS_A_GROUP + at / 8u;
+    bool listed = place < beam_tiles[push.beam_tile].w;
+    uint beam_xy = beam_list[push.first_beam + (listed ? place : 0u)];
+    uvec2 beam = uvec2(beam_xy & 0xffffu, beam_xy >> 16u);
+    bits_at = beam_at(beam) * frame.beam_words;
+    uvec2 px = push.tile_px + BEAM_PX * beam + uvec2(at & 3u, at >> 2u & 1u);
+    return listed ? px : push.tile_end_px;
+}
+
+// Segments [first, end) of which some may show something.
+struct BeamRun {
+    uint first;
+    uint end;
+};
+
+// The next ones from segment `i` on, before `end`; without any both are at or beyond it.
+BeamRun next_beam_run(uint bits_at, uint i, uint end) {
+    uint bit = i >> frame.beam_shift;
+    uint last_word = frame.beam_words - 1u;
+    uint bits;
+    bool none;
+    do {
+        bits = beam_runs[bits_at + min(bit / 32u, last_word)] >> (bit & 31u);
+        none = bits == 0u;
+        bit += none ? 32u - (bit & 31u) : 0u;
+    } while (none && bit << frame.beam_shift < end);
+    uint skipped = none ? 0u : uint(findLSB(bits));
+    uint others = ~(bits >> skipped);
+    uint shown = others == 0u ? 32u : uint(findLSB(others));
+    uint first = (bit + skipped) << frame.beam_shift;
+    return BeamRun(first, min(first + (shown << frame.beam_shift), end));
+}

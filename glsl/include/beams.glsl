@@ -1,0 +1,14 @@
+// Beams: the rays of 4x2 pixels, one subgroup of 8. beams.comp finds out for all of a beam's rays together where along them something
+// may show, finishes the pixels of beams that show nothing, and lists the others for the march. Includes frame.glsl first.
+
+const uvec2 BEAM_PX = uvec2(4u, 2u);
+
+// The march takes a list by rows of so many workgroups of 8 beams (src/pass/beams.rs).
+const uint BEAM_GROUPS_A_ROW = 32u;
+const uint BEAMS_A_GROUP = 8u;
+
+// Place of the beam at `beam` (in beams from the tile's corner) among all.
+uint beam_at(uvec2 beam) {
+    uint width = (push.tile_end_px.x - push.tile_px.x + BEAM_PX.x - 1u) / BEAM_PX.x;
+    return push.first_beam + beam.y * width + beam.x;
+}

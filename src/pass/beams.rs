@@ -1,0 +1,186 @@
+//! Beams: where along the rays of a few neighbouring pixels something may show.
+//!
+//! Reads   skip (SampledGeneral)
+//! Writes  bits of every beam, the list of beams that show something and its length by tile (Storage); the target and the depths of
+//!         pixels of the others (Storage)
+//! Grid    one invocation for 4x2 pixels, one dispatch a tile
+//! Method  a box around the rays moves along them and leaps by the same cubes as rays do; beam optimization as of Laine and Karras,
+//!         "Efficient sparse voxel octrees", 2010, with bits for all of the ray instead of where it begins
+//! Limits  positions in a tile have 16 bits
+//! Twin    none: pictures with and without are compared bit by bit (tests/properties/beams.rs)
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::tiles;
+use crate::error::Result;
+use crate::gpu::{Buffer, Context, MemoryLocation};
+use crate::shader::generated::{BINDING_BEAM_LIST, BINDING_BEAM_RUNS, BINDING_BEAM_TILES};
+use crate::shader::structs::MarchPush;
+
+/// Pixels of a beam, as in `glsl/include/beams.glsl`.
+const BEAM_PX: [u32; 2] = [4, 2];
+
+/// How rays are cut into runs of segments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct BeamLengths {
+    /// A bit stands for `1 << shift` segments.
+    pub(crate) shift: u32,
+    /// Words of bits for each beam.
+    pub(crate) words: u32,
+}
+
+/// How many there are in a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct BeamCounts {
+    tiles: u64,
+    beams: u64,
+}
+
+impl BeamCounts {
+    pub(crate) fn of(size_px: [u32; 2], tile: u32) -> Self {
+        let none = Self { tiles: 0, beams: 0 };
+        tiles(size_px, tile).fold(none, |sum, (first, end)| Self {
+            tiles: sum.tiles + 1,
+            beams: sum.beams + beams_of_tile(first, end),
+        })
+    }
+
+    pub(crate) fn tile_bytes(self) -> u64 {
+        TILE_BYTES * self.tiles
+    }
+
+    pub(crate) fn list_bytes(self) -> u64 {
+        4 * self.beams
+    }
+
+    pub(crate) fn run_bytes(self, words: u32) -> u64 {
+        4 * u64::from(words) * self.beams
+    }
+}
+
+/// What the beams of a frame leave for the march; frames of a queue share it.
+pub(crate) struct Beams {
+    /// Of every tile the march's workgroups, and how many beams are listed.
+    pub(super) tiles: Buffer,
+    /// Where listed beams lie in their tile.
+    list: Buffer,
+    /// Bits of all beams.
+    runs: Buffer,
+}
+
+impl Beams {
+    /// Room for so many.
+    pub(crate) fn new(
+        context: &Arc<Context>,
+        name: &str,
+        counts: BeamCounts,
+        words: u32,
+    ) -> Result<Self> {
+        let buffer = |part: &str, bytes: u64, usage: vk::BufferUsageFlags| {
+            Buffer::new(
+                context,
+                &format!("{name}.beams.{part}"),
+                bytes,
+                vk::BufferUsageFlags::STORAGE_BUFFER | usage,
+                MemoryLocation::Device,
+            )
+        };
+        let none = vk::BufferUsageFlags::empty();
+        let counters = vk::BufferUsageFlags::INDIRECT_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
+        Ok(Self {
+            tiles: buffer("tiles", counts.tile_bytes(), counters)?,
+            list: buffer("list", counts.list_bytes(), none)?,
+            runs: buffer("runs", counts.run_bytes(words), none)?,
+        })
+    }
+
+    /// True when they have room for so many.
+    pub(crate) fn serve(&self, counts: BeamCounts, words: u32) -> bool {
+        self.tiles.bytes() >= counts.tile_bytes()
+            && self.list.bytes() >= counts.list_bytes()
+            && self.runs.bytes() >= counts.run_bytes(words)
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        let buffers = self.buffers();
+        buffers.iter().map(|(_, buffer)| buffer.bytes()).sum()
+    }
+
+    /// See [`Buffer::forget`].
+    pub(crate) fn forget(&mut self) {
+        for buffer in [&self.tiles, &self.list, &self.runs] {
+            buffer.forget();
+        }
+    }
+
+    /// As shaders bind them.
+    pub(super) fn buffers(&self) -> [(u32, &Buffer); 3] {
+        [
+            (BINDING_BEAM_TILES, &self.tiles),
+            (BINDING_BEAM_LIST, &self.list),
+            (BINDING_BEAM_RUNS, &self.runs),
+        ]
+    }
+}
+
+/// Of a tile: workgroups on three axes, beams listed.
+pub(super) const TILE_BYTES: u64 = 16;
+
+fn beams_on_axes(first: [u32; 2], end: [u32; 2]) -> [u32; 2] {
+    [0, 1].map(|axis| (end[axis] - first[axis]).div_ceil(BEAM_PX[axis]))
+}
+
+fn beams_of_tile(first: [u32; 2], end: [u32; 2]) -> u64 {
+    let [x, y] = beams_on_axes(first, end);
+    u64::from(x) * u64::from(y)
+}
+
+/// Workgroups of 8 x 8 beams that cover a tile.
+pub(super) fn beam_groups(push: &MarchPush) -> [u32; 3] {
+    let [x, y] = beams_on_axes(push.tile_px, push.tile_end_px);
+    [x.div_ceil(8), y.div_ceil(8), 1]
+}
+
+/// The tiles of a picture, with where their beams are.
+pub(super) fn beam_tiles(size_px: [u32; 2], tile: u32) -> impl Iterator<Item = MarchPush> {
+    let mut first_beam = 0;
+    tiles(size_px, tile)
+        .zip(0..)
+        .map(move |((tile_px, tile_end_px), beam_tile)| {
+            let push = MarchPush {
+                tile_px,
+                tile_end_px,
+                beam_tile,
+                first_beam,
+            };
+            first_beam += beams_of_tile(tile_px, tile_end_px) as u32;
+            push
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn beams_of_tiles_follow_each_other_without_gap() {
+        for (size, tile) in [
+            ([512, 512], 512),
+            ([100, 37], 8),
+            ([1, 1], 8192),
+            ([33, 70], 32),
+        ] {
+            let mut next = 0;
+            for push in beam_tiles(size, tile) {
+                assert_eq!(push.first_beam, next);
+                next += beams_of_tile(push.tile_px, push.tile_end_px) as u32;
+            }
+            let counts = BeamCounts::of(size, tile);
+            assert_eq!(counts.beams, u64::from(next));
+            let covered = u64::from(size[0].div_ceil(4)) * u64::from(size[1].div_ceil(2));
+            assert_eq!(counts.beams, covered, "{size:?} in tiles of {tile}");
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Beams change no bit, whatever rays they stand for.
+
+use umbravox::scene::{Camera, Classification, RayProjection, Scene, Shading};
+use umbravox::volume::{Volume, Voxels};
+
+use crate::bits::differing;
+use crate::sessions::{Subject, assert_valid, device, point, shown};
+
+const EDGE: u32 = 50;
+
+/// Small balls far apart, and a wall of one voxel.
+fn balls() -> Volume {
+    let voxels = (0..EDGE.pow(3))
+        .map(|i| [i % EDGE, i / EDGE % EDGE, i / (EDGE * EDGE)].map(f64::from))
+        .map(|p| {
+            let ball = |center: [f64; 3]| {
+                let squares = (0..3).map(|axis| (p[axis] - center[axis]).powi(2));
+                squares.sum::<f64>().sqrt() < 2.5
+            };
+            let balls = [[8.0, 9.0, 10.0], [40.0, 12.0, 30.0], [25.0, 41.0, 44.0]];
+            let shown = balls.into_iter().any(ball) || (p[0] == 30.0 && p[1] > 30.0);
+            if shown { 255 } else { 0 }
+        })
+        .collect();
+    Volume::axis_aligned(Voxels::U8(voxels), [EDGE; 3], [1.0, 1.1, 0.9]).unwrap()
+}
+
+fn seen_from(camera: Camera) -> Subject {
+    let points = vec![
+        point(60.0, [0.2, 0.5, 0.9], 0.0),
+        point(200.0, [0.9, 0.3, 0.1], 0.3),
+        point(255.0, [0.9, 0.8, 0.4], 0.5),
+    ];
+    // Neither edge is a whole number of beams.
+    Subject::new(balls(), camera, [101, 67], 1.0, points)
+}
+
+/// Name, and what is changed of the plain scene.
+type Change = (&'static str, fn(&mut Scene));
+
+const CHANGES: [Change; 9] = [
+    ("post", |s| {
+        s.march.classification = Some(Classification::Post)
+    }),
+    ("pre", |s| {
+        s.march.classification = Some(Classification::Pre)
+    }),
+    ("preintegrated", |s| {
+        s.march.classification = Some(Classification::Preintegrated);
+    }),
+    ("jitter", |s| {
+        s.march.jitter = true;
+        s.march.classification = Some(Classification::Post);
+    }),
+    ("jitter, preintegrated", |s| s.march.jitter = true),
+    // Bits stand for more segments than the shortest.
+    ("2000 segments", |s| s.march.step = 0.04),
+    ("long steps", |s| s.march.step = 3.0),
+    ("shaded", |s| s.lighting.shading = Shading::Diffuse),
+    ("xray", |s| s.march.projection = RayProjection::Xray),
+];
+
+#[test]
+fn beams_change_no_bit() {
+    let device = device(|_| {});
+    let small_tiles = self::device(|options| options.tile = Some(24));
+    let target = [24.0, 26.0, 22.0];
+    let up = [0.0, 0.0, 1.0];
+    let perspective = |eye: [f64; 3]| Camera::Perspective {
+        eye,
+        target,
+        up,
+        fov_y: 50.0,
+    };
+    let along_an_axis = Camera::Orthographic {
+        eye: [-90.0, 26.0, 22.0],
+        target,
+        up,
+        height: 60.0,
+    };
+    let cameras = [
+        ("framed", Camera::default()),
+        ("along an axis", along_an_axis),
+        ("inside", perspective([20.0, 15.0, 18.0])),
+        ("oblique", perspective([90.0, -70.0, 60.0])),
+    ];
+    for (from, camera) in cameras {
+        for (what, change) in CHANGES {
+            let subject = seen_from(camera.clone()).with(change);
+            let expected = subject
+                .with(|scene| scene.march.beams = false)
+                .picture(&device);
+            assert!(shown(&expected) > 10.0, "{from}, {what}");
+            for device in [&device, &small_tiles] {
+                let picture = subject.picture(device);
+                assert_eq!(differing(&picture, &expected), 0, "{from}, {what}");
+                assert_ne!(
+                    picture.samples, expected.samples,
+                    "{from}, {what}: no beams"
+                );
+            }
+        }
+    }
+    assert_valid(&device);
+    assert_valid(&small_tiles);
+}

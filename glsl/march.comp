@@ -2,15 +2,18 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_image_load_formatted : require
-// Front-to-back march of the bricked volume into a target image. One invocation a pixel.
+// Front-to-back march of the bricked volume into a target image. One invocation a pixel. MARCH_ENDS: pre-integrated.
 
 #include "bindings.glsl"
 #include "structs.glsl"
 #include "volume.glsl"
 #include "reconstruct.glsl"
 #include "classify.glsl"
-#include "preclassify.glsl"
+#ifdef MARCH_ENDS
 #include "preintegrated.glsl"
+#else
+#include "preclassify.glsl"
+#endif
 #include "skip.glsl"
 #include "composite.glsl"
 #include "random.glsl"
@@ -61,8 +64,11 @@ void add_segment(inout Accumulated acc, Ray ray, Brick b, Segment segment, Class
     composite(acc, c.color + c.emission, c.opacity);
 }
 
-#include "march_middles.glsl"
+#ifdef MARCH_ENDS
 #include "march_ends.glsl"
+#else
+#include "march_middles.glsl"
+#endif
 
 void main() {
     uint bits_at = 0u;
@@ -81,25 +87,12 @@ void main() {
     // The last segment is shorter and comes by itself after the loops, so that they need no power function.
     uint count = segment_count(ray, shift);
     uint whole = count - min(count, 1u);
-    if (CLASSIFICATION == PREINTEGRATED) {
-        march_ends(acc, ray, bits_at, whole, count, shift);
-    } else {
-        march_middles(acc, ray, bits_at, whole, shift);
-    }
+    march_whole(acc, ray, bits_at, whole, count, shift);
     if (count > 0u && acc.opacity < frame.early_termination) {
         Segment last = segment_of(whole, count, ray.extent, shift);
         Brick b;
         Classified c;
-        bool sampled = true;
-        if (CLASSIFICATION == PREINTEGRATED) {
-            c = classify_last_between(ray, count, shift, last, b);
-        } else {
-            b = brick_at(ray_position(ray, last.middle, volume.field_ix));
-            sampled = b.resident;
-            if (sampled) {
-                c = classify_middle(ray, b, last, true);
-            }
-        }
+        bool sampled = classify_last(ray, count, shift, last, b, c);
         if (sampled) {
             add_segment(acc, ray, b, last, c);
         }

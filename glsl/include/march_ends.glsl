@@ -23,7 +23,7 @@ Classified classify_between(Ray ray, Node front, Node back, uint i, uint count, 
 }
 
 // The first `whole` of `count` segments, sampled at their ends and integrated between.
-void march_ends(inout Accumulated acc, Ray ray, uint bits_at, uint whole, uint count, float shift) {
+void march_whole(inout Accumulated acc, Ray ray, uint bits_at, uint whole, uint count, float shift) {
     uint i = 0u;
     if (i < whole) {
         do {
@@ -66,13 +66,13 @@ void march_ends(inout Accumulated acc, Ray ray, uint bits_at, uint whole, uint c
 }
 
 // What the last segment shows, which is shorter. `middle`: the brick there.
-Classified classify_last_between(Ray ray, uint count, float shift, Segment last, out Brick middle) {
+bool classify_last(Ray ray, uint count, float shift, Segment last, out Brick middle, out Classified c) {
     uint i = count - 1u;
     vec3 front_ix = node_position(ray, i, count, shift);
     Node front = node_at(front_ix, brick_at(front_ix));
     Node back = node_at(node_position(ray, count, count, shift), front.brick);
     middle = brick_near(ray_position(ray, last.middle, volume.field_ix), back.brick);
-    Classified c = classify_between(ray, front, back, i, count, shift);
+    c = classify_between(ray, front, back, i, count, shift);
     c.opacity = opacity_over(c.opacity, last.extent);
-    return c;
+    return true;
 }

@@ -11,9 +11,9 @@ Classified classify_middle(Ray ray, Brick b, Segment segment, bool shorter) {
     return c;
 }
 
-// The first `whole` segments, sampled at their middles. Jittered rays have a shorter first one too and take the exact
+// The first `whole` of `count` segments, sampled at their middles. Jittered rays have a shorter first one too and take the exact
 // path throughout.
-void march_middles(inout Accumulated acc, Ray ray, uint bits_at, uint whole, float shift) {
+void march_whole(inout Accumulated acc, Ray ray, uint bits_at, uint whole, uint count, float shift) {
     Heading heading = heading_of(ray.step_ix);
     uint i = 0u;
     if (i < whole) {
@@ -55,4 +55,13 @@ void march_middles(inout Accumulated acc, Ray ray, uint bits_at, uint whole, flo
             }
         } while (i < whole && acc.opacity < frame.early_termination);
     }
+}
+
+// What the last segment shows, which is shorter; false where nothing is there to sample. `b`: the brick there.
+bool classify_last(Ray ray, uint count, float shift, Segment last, out Brick b, out Classified c) {
+    b = brick_at(ray_position(ray, last.middle, volume.field_ix));
+    if (b.resident) {
+        c = classify_middle(ray, b, last, true);
+    }
+    return b.resident;
 }

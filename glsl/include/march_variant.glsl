@@ -5,7 +5,13 @@
 const uint POST = 0u;
 const uint PRE = 1u;
 const uint PREINTEGRATED = 2u;
+// A module of its own where segments are integrated: llvmpipe translates and inlines all of a module before it leaves out what a
+// variant does not use, which is most of a process's first frame.
+#ifdef MARCH_ENDS
+const uint CLASSIFICATION = PREINTEGRATED;
+#else
 layout(constant_id = SPEC_CLASSIFICATION) const uint CLASSIFICATION = 0;
+#endif
 
 // Opacity alone, of which the optical depth is kept (Max's absorption-only model).
 layout(constant_id = SPEC_XRAY) const bool XRAY = false;

@@ -100,7 +100,7 @@ pub struct Capabilities {
 /// `LP_MAX_TGSI_LOOP_ITERATIONS` of Mesa's gallivm: one counter for all loops of an invocation.
 const LLVMPIPE_LOOP_ROUNDS: u32 = 65_535;
 
-/// Storage images that the pass with most of them has (the march over what its target holds).
+/// Storage images that the pass with most of them has (the pre-integrated march).
 const STORAGE_IMAGES: u32 = 9;
 
 /// `LP_MAX_THREADS` of Mesa's llvmpipe.

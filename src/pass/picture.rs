@@ -141,7 +141,10 @@ impl PictureVariant {
         let passes: &PicturePasses = match self.projection {
             _ if self.transport.is_some_and(|t| t.paths.is_some()) => &interface::PATHTRACE,
             _ if self.transport.is_some() => &interface::TRANSPORT,
-            RayProjection::Composite | RayProjection::Xray => &interface::MARCH,
+            RayProjection::Composite | RayProjection::Xray => match self.classification {
+                Classification::Preintegrated => &interface::MARCH_ENDS,
+                Classification::Post | Classification::Pre => &interface::MARCH,
+            },
             RayProjection::Maximum | RayProjection::Minimum | RayProjection::Mean => {
                 &interface::EXTREMUM
             }

@@ -324,9 +324,8 @@ impl Loaded {
         };
         // The loop over samples, that over runs of eight at least and the search for the next, and where samples are shaded or looked
         // up among labels a search for those that show something.
-        let searched = self.light.is_some()
-            || self.labels.is_some()
-            || lighting.shading == Shading::Diffuse;
+        let searched =
+            self.light.is_some() || self.labels.is_some() || lighting.shading == Shading::Diffuse;
         let of_samples = if searched { 2.25 } else { 1.25 };
         let rounds = segments * (of_samples + of_shadows);
         if rounds <= f64::from(most) {

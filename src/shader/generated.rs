@@ -154,6 +154,30 @@ pub static MARCH_BLEND_RGBA8: Module = Module {
     words: include_spirv!("march_blend_rgba8.spv"),
 };
 
+/// `spirv/march_ends.spv`.
+pub static MARCH_ENDS: Module = Module {
+    name: "march_ends",
+    words: include_spirv!("march_ends.spv"),
+};
+
+/// `spirv/march_ends_blend_rgba16f.spv`.
+pub static MARCH_ENDS_BLEND_RGBA16F: Module = Module {
+    name: "march_ends_blend_rgba16f",
+    words: include_spirv!("march_ends_blend_rgba16f.spv"),
+};
+
+/// `spirv/march_ends_blend_rgba32f.spv`.
+pub static MARCH_ENDS_BLEND_RGBA32F: Module = Module {
+    name: "march_ends_blend_rgba32f",
+    words: include_spirv!("march_ends_blend_rgba32f.spv"),
+};
+
+/// `spirv/march_ends_blend_rgba8.spv`.
+pub static MARCH_ENDS_BLEND_RGBA8: Module = Module {
+    name: "march_ends_blend_rgba8",
+    words: include_spirv!("march_ends_blend_rgba8.spv"),
+};
+
 /// `spirv/ordinates_gather.spv`.
 pub static ORDINATES_GATHER: Module = Module {
     name: "ordinates_gather",
@@ -272,6 +296,10 @@ pub static MODULES: &[&Module] = &[
     &MARCH_BLEND_RGBA16F,
     &MARCH_BLEND_RGBA32F,
     &MARCH_BLEND_RGBA8,
+    &MARCH_ENDS,
+    &MARCH_ENDS_BLEND_RGBA16F,
+    &MARCH_ENDS_BLEND_RGBA32F,
+    &MARCH_ENDS_BLEND_RGBA8,
     &ORDINATES_GATHER,
     &ORDINATES_SOURCE,
     &ORDINATES_SWEEP,

@@ -1,9 +1,11 @@
 //! What each pass binds, declared once: pipeline layouts and descriptor sets are built from it, and
 //! `tests/shaders.rs` checks it against the SPIR-V.
 
+mod march;
 mod scatter;
 mod transport;
 
+pub use march::{BEAMS, MARCH, MARCH_ENDS};
 pub use scatter::{
     DIFFUSE_GATHER, DIFFUSION_RELAX, DIFFUSION_SOURCE, GRID_MEDIUM, ORDINATES_GATHER,
     ORDINATES_SOURCE, ORDINATES_SWEEP, ZONAL,
@@ -138,120 +140,6 @@ const fn picture(
         blend_rgba32f: pass(modules[3], bindings[1], spec_ids),
     }
 }
-
-const MARCH_SPEC_IDS: &[u32] = &[
-    SPEC_INTERPOLATION,
-    SPEC_BLOCKS_APART,
-    SPEC_SKIPPING,
-    SPEC_EMISSION,
-    SPEC_LIGHT,
-    SPEC_DIFFUSE,
-    SPEC_JITTER,
-    SPEC_AUX,
-    SPEC_SCENE_DEPTH,
-    SPEC_ENCODE_SRGB,
-    SPEC_MANUAL_FILTER,
-    SPEC_UNIFORM_GRID,
-    SPEC_EXACT_BINS,
-    SPEC_CLASSIFICATION,
-    SPEC_GRADIENT,
-    SPEC_XRAY,
-    SPEC_LABELS,
-    SPEC_DATA_COLOR,
-    SPEC_STORED_GRADIENTS,
-    SPEC_PACKED_CELLS,
-    SPEC_RUNS,
-    SPEC_LOADS,
-    SPEC_BEAMS,
-];
-
-const fn march_bindings(target: Access) -> [Binding; 26] {
-    [
-        uniform(BINDING_VOLUME),
-        uniform(BINDING_FRAME),
-        sampled(BINDING_ATLAS),
-        sampled(BINDING_INDEX),
-        sampled(BINDING_SKIP),
-        sampled(BINDING_TRANSFER),
-        sampled(BINDING_LIGHT),
-        sampled(BINDING_SCENE_DEPTH),
-        storage_image(BINDING_TARGET, target),
-        storage_image(BINDING_AUX, Access::Write),
-        sampled(BINDING_PREINTEGRATED),
-        sampled(BINDING_PREINTEGRATED_EMISSION),
-        sampled(BINDING_LABELS),
-        sampled(BINDING_LABEL_TABLE),
-        sampled(BINDING_COLOR),
-        sampled(BINDING_GRADIENTS),
-        storage_image(BINDING_GRADIENTS_TEN_BITS, Access::Read),
-        storage_image(BINDING_PACKED_CELLS, Access::Read),
-        storage_image(BINDING_SKIP_LOADS, Access::Read),
-        storage_image(BINDING_TRANSFER_LOADS, Access::Read),
-        storage_image(BINDING_PREINTEGRATED_LOADS, Access::Read),
-        storage_image(BINDING_PREINTEGRATED_EMISSION_LOADS, Access::Read),
-        storage_image(BINDING_GRADIENTS_HALVES, Access::Read),
-        storage_read(BINDING_BEAM_TILES),
-        storage_read(BINDING_BEAM_LIST),
-        storage_read(BINDING_BEAM_RUNS),
-    ]
-}
-
-/// Emission and absorption.
-pub const MARCH: PicturePasses = picture(
-    [
-        &generated::MARCH,
-        &generated::MARCH_BLEND_RGBA8,
-        &generated::MARCH_BLEND_RGBA16F,
-        &generated::MARCH_BLEND_RGBA32F,
-    ],
-    [
-        &march_bindings(Access::Write),
-        &march_bindings(Access::ReadWrite),
-    ],
-    MARCH_SPEC_IDS,
-);
-
-const BEAMS_SPEC_IDS: &[u32] = &[
-    SPEC_SKIPPING,
-    SPEC_JITTER,
-    SPEC_AUX,
-    SPEC_SCENE_DEPTH,
-    SPEC_ENCODE_SRGB,
-    SPEC_UNIFORM_GRID,
-    SPEC_CLASSIFICATION,
-    SPEC_XRAY,
-    SPEC_RUNS,
-    SPEC_LOADS,
-];
-
-const fn beams_bindings(target: Access) -> [Binding; 9] {
-    [
-        uniform(BINDING_VOLUME),
-        uniform(BINDING_FRAME),
-        sampled(BINDING_SKIP),
-        storage_image(BINDING_TARGET, target),
-        storage_image(BINDING_AUX, Access::Write),
-        storage_image(BINDING_SKIP_LOADS, Access::Read),
-        storage_buffer(BINDING_BEAM_TILES),
-        storage_buffer(BINDING_BEAM_LIST),
-        storage_buffer(BINDING_BEAM_RUNS),
-    ]
-}
-
-/// Where the march has something to do.
-pub const BEAMS: PicturePasses = picture(
-    [
-        &generated::BEAMS,
-        &generated::BEAMS_BLEND_RGBA8,
-        &generated::BEAMS_BLEND_RGBA16F,
-        &generated::BEAMS_BLEND_RGBA32F,
-    ],
-    [
-        &beams_bindings(Access::Write),
-        &beams_bindings(Access::ReadWrite),
-    ],
-    BEAMS_SPEC_IDS,
-);
 
 const EXTREMUM_SPEC_IDS: &[u32] = &[
     SPEC_INTERPOLATION,
@@ -518,6 +406,10 @@ pub const PASSES: &[PassInterface] = &[
     MARCH.blend_rgba8,
     MARCH.blend_rgba16f,
     MARCH.blend_rgba32f,
+    MARCH_ENDS.any,
+    MARCH_ENDS.blend_rgba8,
+    MARCH_ENDS.blend_rgba16f,
+    MARCH_ENDS.blend_rgba32f,
     BEAMS.any,
     BEAMS.blend_rgba8,
     BEAMS.blend_rgba16f,

@@ -1,0 +1,188 @@
+//! The march of emission and absorption, and the beams before it.
+
+use super::super::generated::{self, *};
+use super::{
+    Access, Binding, PicturePasses, picture, sampled, storage_buffer, storage_image, storage_read,
+    uniform,
+};
+
+const MARCH_SPEC_IDS: &[u32] = &[
+    SPEC_INTERPOLATION,
+    SPEC_BLOCKS_APART,
+    SPEC_SKIPPING,
+    SPEC_EMISSION,
+    SPEC_LIGHT,
+    SPEC_DIFFUSE,
+    SPEC_JITTER,
+    SPEC_AUX,
+    SPEC_SCENE_DEPTH,
+    SPEC_ENCODE_SRGB,
+    SPEC_MANUAL_FILTER,
+    SPEC_UNIFORM_GRID,
+    SPEC_EXACT_BINS,
+    SPEC_CLASSIFICATION,
+    SPEC_GRADIENT,
+    SPEC_XRAY,
+    SPEC_LABELS,
+    SPEC_DATA_COLOR,
+    SPEC_STORED_GRADIENTS,
+    SPEC_PACKED_CELLS,
+    SPEC_RUNS,
+    SPEC_LOADS,
+    SPEC_BEAMS,
+];
+
+const fn march_bindings(target: Access) -> [Binding; 22] {
+    [
+        uniform(BINDING_VOLUME),
+        uniform(BINDING_FRAME),
+        sampled(BINDING_ATLAS),
+        sampled(BINDING_INDEX),
+        sampled(BINDING_SKIP),
+        sampled(BINDING_TRANSFER),
+        sampled(BINDING_LIGHT),
+        sampled(BINDING_SCENE_DEPTH),
+        storage_image(BINDING_TARGET, target),
+        storage_image(BINDING_AUX, Access::Write),
+        sampled(BINDING_LABELS),
+        sampled(BINDING_LABEL_TABLE),
+        sampled(BINDING_COLOR),
+        sampled(BINDING_GRADIENTS),
+        storage_image(BINDING_GRADIENTS_TEN_BITS, Access::Read),
+        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        storage_image(BINDING_SKIP_LOADS, Access::Read),
+        storage_image(BINDING_TRANSFER_LOADS, Access::Read),
+        storage_image(BINDING_GRADIENTS_HALVES, Access::Read),
+        storage_read(BINDING_BEAM_TILES),
+        storage_read(BINDING_BEAM_LIST),
+        storage_read(BINDING_BEAM_RUNS),
+    ]
+}
+
+/// Emission and absorption, sampled at the middles of segments.
+pub const MARCH: PicturePasses = picture(
+    [
+        &generated::MARCH,
+        &generated::MARCH_BLEND_RGBA8,
+        &generated::MARCH_BLEND_RGBA16F,
+        &generated::MARCH_BLEND_RGBA32F,
+    ],
+    [
+        &march_bindings(Access::Write),
+        &march_bindings(Access::ReadWrite),
+    ],
+    MARCH_SPEC_IDS,
+);
+
+const MARCH_ENDS_SPEC_IDS: &[u32] = &[
+    SPEC_INTERPOLATION,
+    SPEC_BLOCKS_APART,
+    SPEC_SKIPPING,
+    SPEC_EMISSION,
+    SPEC_LIGHT,
+    SPEC_DIFFUSE,
+    SPEC_JITTER,
+    SPEC_AUX,
+    SPEC_SCENE_DEPTH,
+    SPEC_ENCODE_SRGB,
+    SPEC_MANUAL_FILTER,
+    SPEC_UNIFORM_GRID,
+    SPEC_EXACT_BINS,
+    SPEC_GRADIENT,
+    SPEC_XRAY,
+    SPEC_LABELS,
+    SPEC_DATA_COLOR,
+    SPEC_STORED_GRADIENTS,
+    SPEC_PACKED_CELLS,
+    SPEC_RUNS,
+    SPEC_LOADS,
+    SPEC_BEAMS,
+];
+
+const fn march_ends_bindings(target: Access) -> [Binding; 26] {
+    [
+        uniform(BINDING_VOLUME),
+        uniform(BINDING_FRAME),
+        sampled(BINDING_ATLAS),
+        sampled(BINDING_INDEX),
+        sampled(BINDING_SKIP),
+        sampled(BINDING_TRANSFER),
+        sampled(BINDING_LIGHT),
+        sampled(BINDING_SCENE_DEPTH),
+        storage_image(BINDING_TARGET, target),
+        storage_image(BINDING_AUX, Access::Write),
+        sampled(BINDING_PREINTEGRATED),
+        sampled(BINDING_PREINTEGRATED_EMISSION),
+        sampled(BINDING_LABELS),
+        sampled(BINDING_LABEL_TABLE),
+        sampled(BINDING_COLOR),
+        sampled(BINDING_GRADIENTS),
+        storage_image(BINDING_GRADIENTS_TEN_BITS, Access::Read),
+        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        storage_image(BINDING_SKIP_LOADS, Access::Read),
+        storage_image(BINDING_TRANSFER_LOADS, Access::Read),
+        storage_image(BINDING_PREINTEGRATED_LOADS, Access::Read),
+        storage_image(BINDING_PREINTEGRATED_EMISSION_LOADS, Access::Read),
+        storage_image(BINDING_GRADIENTS_HALVES, Access::Read),
+        storage_read(BINDING_BEAM_TILES),
+        storage_read(BINDING_BEAM_LIST),
+        storage_read(BINDING_BEAM_RUNS),
+    ]
+}
+
+/// The same, sampled at the ends of segments and integrated between.
+pub const MARCH_ENDS: PicturePasses = picture(
+    [
+        &generated::MARCH_ENDS,
+        &generated::MARCH_ENDS_BLEND_RGBA8,
+        &generated::MARCH_ENDS_BLEND_RGBA16F,
+        &generated::MARCH_ENDS_BLEND_RGBA32F,
+    ],
+    [
+        &march_ends_bindings(Access::Write),
+        &march_ends_bindings(Access::ReadWrite),
+    ],
+    MARCH_ENDS_SPEC_IDS,
+);
+
+const BEAMS_SPEC_IDS: &[u32] = &[
+    SPEC_SKIPPING,
+    SPEC_JITTER,
+    SPEC_AUX,
+    SPEC_SCENE_DEPTH,
+    SPEC_ENCODE_SRGB,
+    SPEC_UNIFORM_GRID,
+    SPEC_CLASSIFICATION,
+    SPEC_XRAY,
+    SPEC_RUNS,
+    SPEC_LOADS,
+];
+
+const fn beams_bindings(target: Access) -> [Binding; 9] {
+    [
+        uniform(BINDING_VOLUME),
+        uniform(BINDING_FRAME),
+        sampled(BINDING_SKIP),
+        storage_image(BINDING_TARGET, target),
+        storage_image(BINDING_AUX, Access::Write),
+        storage_image(BINDING_SKIP_LOADS, Access::Read),
+        storage_buffer(BINDING_BEAM_TILES),
+        storage_buffer(BINDING_BEAM_LIST),
+        storage_buffer(BINDING_BEAM_RUNS),
+    ]
+}
+
+/// Where the march has something to do.
+pub const BEAMS: PicturePasses = picture(
+    [
+        &generated::BEAMS,
+        &generated::BEAMS_BLEND_RGBA8,
+        &generated::BEAMS_BLEND_RGBA16F,
+        &generated::BEAMS_BLEND_RGBA32F,
+    ],
+    [
+        &beams_bindings(Access::Write),
+        &beams_bindings(Access::ReadWrite),
+    ],
+    BEAMS_SPEC_IDS,
+);

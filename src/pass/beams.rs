@@ -13,9 +13,10 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::tiles;
+use super::{Constants, Variants, tiles};
 use crate::error::Result;
-use crate::gpu::{Buffer, Context, MemoryLocation};
+use crate::gpu::{Access, Bound, Buffer, Context, MemoryLocation, Recorder};
+use crate::shader::PassInterface;
 use crate::shader::generated::{BINDING_BEAM_LIST, BINDING_BEAM_RUNS, BINDING_BEAM_TILES};
 use crate::shader::structs::MarchPush;
 
@@ -116,12 +117,56 @@ impl Beams {
     }
 
     /// As shaders bind them.
-    pub(super) fn buffers(&self) -> [(u32, &Buffer); 3] {
+    pub(super) fn bound(&self) -> [(u32, Bound<'_>); 3] {
+        self.buffers()
+            .map(|(binding, buffer)| (binding, Bound::Storage(buffer)))
+    }
+
+    fn buffers(&self) -> [(u32, &Buffer); 3] {
         [
             (BINDING_BEAM_TILES, &self.tiles),
             (BINDING_BEAM_LIST, &self.list),
             (BINDING_BEAM_RUNS, &self.runs),
         ]
+    }
+}
+
+/// The pass.
+#[derive(Default)]
+pub(super) struct BeamsPass {
+    variants: Variants,
+}
+
+impl BeamsPass {
+    /// Casts the beams of a picture, for the march to follow. `interface`, `constants`, `bound`: those of the picture, for this pass.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "a part of the picture's own recording"
+    )]
+    pub(super) fn record(
+        &mut self,
+        context: &Arc<Context>,
+        recorder: &mut Recorder<'_>,
+        interface: &'static PassInterface,
+        constants: Constants,
+        bound: &[(u32, Bound<'_>)],
+        beams: &Beams,
+        size_px: [u32; 2],
+        tile: u32,
+    ) -> Result<()> {
+        let pipeline = self.variants.get(context, interface, constants)?;
+        recorder.fill_zero(&beams.tiles);
+        for (_, buffer) in beams.buffers() {
+            recorder.use_buffer(buffer, Access::Storage);
+        }
+        recorder.bind(pipeline, bound)?;
+        for push in beam_tiles(size_px, tile) {
+            recorder.dispatch(pipeline, &push, beam_groups(&push));
+        }
+        for (_, buffer) in beams.buffers() {
+            recorder.use_buffer(buffer, Access::Indirect);
+        }
+        Ok(())
     }
 }
 
@@ -138,7 +183,7 @@ fn beams_of_tile(first: [u32; 2], end: [u32; 2]) -> u64 {
 }
 
 /// Workgroups of 8 x 8 beams that cover a tile.
-pub(super) fn beam_groups(push: &MarchPush) -> [u32; 3] {
+fn beam_groups(push: &MarchPush) -> [u32; 3] {
     let [x, y] = beams_on_axes(push.tile_px, push.tile_end_px);
     [x.div_ceil(8), y.div_ceil(8), 1]
 }

@@ -1,10 +1,10 @@
 //! Pictures: front-to-back march, projections of values and isosurfaces, into a target image.
 //!
 //! Reads   atlas, index, cell ranges, labels, filtered gradients (SampledRead), skip, transfer and pre-integrated tables, packed corners,
-//!         loaded gradients, light (SampledGeneral), the host's depth
-//!         where beams are cast also what they left (Indirect, Storage)
+//!         loaded gradients, light (SampledGeneral), the host's depth, what beams left
+//!         (Indirect)
 //! Writes  the target (Storage; read too when it is blended over), depths and sample counts (Storage)
-//! Grid    one workgroup for 8x8 pixels, one dispatch a tile
+//! Grid    one workgroup for 8x8 pixels, or for 8 beams that are listed; one dispatch a tile
 //! Method  emission-absorption with exact opacity correction; skipping by leaps, one map for each octant of directions
 //! Limits  a dispatch is one tile; its size is chosen so that no dispatch runs long, and changes no pixel
 //! Twin    src/reference/march.rs
@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::beams::{Beams, TILE_BYTES, beam_groups, beam_tiles};
+use super::beams::{Beams, BeamsPass, TILE_BYTES, beam_tiles};
 use super::{
     Reconstruction, Variants, gradient_constant, sampled, tile_groups, use_field, use_gradients,
     use_labels, use_texels,
@@ -247,7 +247,7 @@ fn use_medium<'a>(recorder: &mut Recorder<'_>, images: &'a MediumImages) -> [(u3
 /// The pass.
 pub(crate) struct PicturePass {
     variants: Variants,
-    beam_variants: Variants,
+    beams_pass: BeamsPass,
     /// Stands in for images that a variant does not read, and for outputs it does not write.
     unused_sampled: Image,
     unused_volume: Image,
@@ -275,7 +275,7 @@ impl PicturePass {
         let sampled = vk::ImageUsageFlags::SAMPLED;
         Ok(Self {
             variants: Variants::default(),
-            beam_variants: Variants::default(),
+            beams_pass: BeamsPass::default(),
             unused_sampled: unused(
                 "umbravox.picture.no_image",
                 vk::Format::R32_SFLOAT,
@@ -429,23 +429,12 @@ impl PicturePass {
         }
         // Each kind of picture takes its own selection.
         if let Some(beams) = beams {
-            let buffers = beams.buffers();
-            bound.extend(buffers.map(|(binding, buffer)| (binding, Bound::Storage(buffer))));
+            bound.extend(beams.bound());
             let interface = variant.interface_of(&interface::BEAMS);
-            let casting = self
-                .beam_variants
-                .get(context, interface, variant.constants())?;
-            recorder.fill_zero(&beams.tiles);
-            for (_, buffer) in buffers {
-                recorder.use_buffer(buffer, Access::Storage);
-            }
-            recorder.bind(casting, &bound)?;
-            for push in beam_tiles(size_px, tile) {
-                recorder.dispatch(casting, &push, beam_groups(&push));
-            }
-            for (_, buffer) in buffers {
-                recorder.use_buffer(buffer, Access::Indirect);
-            }
+            let constants = variant.constants();
+            self.beams_pass.record(
+                context, recorder, interface, constants, &bound, beams, size_px, tile,
+            )?;
             recorder.bind(pipeline, &bound)?;
             for push in beam_tiles(size_px, tile) {
                 let at = TILE_BYTES * u64::from(push.beam_tile);

@@ -35,6 +35,10 @@ uint bits_of(Beam beam, inout uint i, uint end) {
         from = 0.0;
         to = 1.0;
     }
+    // The host's geometry may make any segment a ray's last.
+    if (SCENE_DEPTH) {
+        from = 0.0;
+    }
     if (JITTER) {
         from = -1.0;
         to = 1.0;
@@ -102,7 +106,7 @@ void main() {
         }
     }
     // A loop and no branch, which CPU drivers would execute for all.
-    uint unseen = all == 0u ? PIXELS : 0u;
+    uint unseen = all == 0u ? BEAM_PIXELS : 0u;
     for (uint k = 0u; k < unseen; ++k) {
         uvec2 px = first_px + uvec2(k % BEAM_PX.x, k / BEAM_PX.x);
         if (!is_outside(px)) {

@@ -4,8 +4,6 @@
 // Boxes around a beam's rays are larger by this, in voxels, so that no ray that rounds otherwise leaves them.
 const float MARGIN_BEAM_IX = 0.01;
 
-const uint PIXELS = BEAM_PX.x * BEAM_PX.y;
-
 // A box around all rays of a beam that moves along with them: between its hindmost and its foremost corner, seen along the beam.
 // Every ray is straight, so bounds between two places are bounds of what lies between.
 struct Beam {
@@ -31,7 +29,7 @@ Beam beam_through(uvec2 first_px) {
     }
     uint segments = 0u;
     uint shortest = ~0u;
-    for (uint k = 0u; k < PIXELS; ++k) {
+    for (uint k = 0u; k < BEAM_PIXELS; ++k) {
         uvec2 px = first_px + uvec2(k % BEAM_PX.x, k / BEAM_PX.x);
         Ray ray = ray_through(vec2(px) + 0.5, frame, volume.field_ix);
         uint count = segment_count(ray, shift);

@@ -2,6 +2,7 @@
 // may show, finishes the pixels of beams that show nothing, and lists the others for the march. Includes frame.glsl first.
 
 const uvec2 BEAM_PX = uvec2(4u, 2u);
+const uint BEAM_PIXELS = BEAM_PX.x * BEAM_PX.y;
 
 // The march takes a list by rows of so many workgroups of 8 beams (src/pass/beams.rs).
 const uint BEAM_GROUPS_A_ROW = 32u;

@@ -401,10 +401,11 @@ impl Session {
     /// One picture. `layers`: depths and sample counts as well.
     fn draw(&mut self, layers: bool) -> Result<FrameTime> {
         self.samples = None;
-        self.layered = layers;
+        self.layered = false;
         let watch = Stopwatch::start();
         self.submit_drawing(Work::PictureOnly, layers)?;
         let time = watch.elapsed();
+        self.layered = layers;
         self.times.frame_ms = time.wall_ms;
         Ok(time)
     }
@@ -414,7 +415,9 @@ impl Session {
         if !self.layered {
             let times = std::mem::take(&mut self.times);
             let drawn = self.submit_drawing(Work::PictureOnly, true);
+            let uploaded = self.times.uploaded_bytes;
             self.times = times;
+            self.times.uploaded_bytes += uploaded;
             drawn?;
             self.layered = true;
         }

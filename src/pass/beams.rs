@@ -160,7 +160,7 @@ impl BeamsPass {
             recorder.use_buffer(buffer, Access::Storage);
         }
         recorder.bind(pipeline, bound)?;
-        for push in beam_tiles(size_px, tile) {
+        for push in march_tiles(size_px, tile) {
             recorder.dispatch(pipeline, &push, beam_groups(&push));
         }
         for (_, buffer) in beams.buffers() {
@@ -188,8 +188,8 @@ fn beam_groups(push: &MarchPush) -> [u32; 3] {
     [x.div_ceil(8), y.div_ceil(8), 1]
 }
 
-/// The tiles of a picture, with where their beams are.
-pub(super) fn beam_tiles(size_px: [u32; 2], tile: u32) -> impl Iterator<Item = MarchPush> {
+/// The tiles of a picture, with where their beams are, if any are cast.
+pub(super) fn march_tiles(size_px: [u32; 2], tile: u32) -> impl Iterator<Item = MarchPush> {
     let mut first_beam = 0;
     tiles(size_px, tile)
         .zip(0..)
@@ -218,7 +218,7 @@ mod tests {
             ([33, 70], 32),
         ] {
             let mut next = 0;
-            for push in beam_tiles(size, tile) {
+            for push in march_tiles(size, tile) {
                 assert_eq!(push.first_beam, next);
                 next += beams_of_tile(push.tile_px, push.tile_end_px) as u32;
             }

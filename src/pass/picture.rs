@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::beams::{Beams, BeamsPass, TILE_BYTES, beam_tiles};
+use super::beams::{Beams, BeamsPass, TILE_BYTES, march_tiles};
 use super::{
     Reconstruction, Variants, gradient_constant, sampled, tile_groups, use_field, use_gradients,
     use_labels, use_texels,
@@ -436,7 +436,7 @@ impl PicturePass {
                 context, recorder, interface, constants, &bound, beams, size_px, tile,
             )?;
             recorder.bind(pipeline, &bound)?;
-            for push in beam_tiles(size_px, tile) {
+            for push in march_tiles(size_px, tile) {
                 let at = TILE_BYTES * u64::from(push.beam_tile);
                 recorder.dispatch_indirect(pipeline, &push, &beams.tiles, at);
             }
@@ -446,7 +446,7 @@ impl PicturePass {
             bound.push((binding, Bound::Storage(&self.unused_buffer)));
         }
         recorder.bind(pipeline, &bound)?;
-        for push in beam_tiles(size_px, tile) {
+        for push in march_tiles(size_px, tile) {
             let groups = tile_groups(push.tile_px, push.tile_end_px);
             recorder.dispatch(pipeline, &push, groups);
         }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::loaded::{Loaded, NAME};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::Context;
 use crate::pass::beams::{BeamCounts, BeamLengths, Beams};
 
@@ -45,17 +45,21 @@ impl Loaded {
         self.beams.as_ref().map_or(0, Beams::bytes)
     }
 
-    /// Room for the beams of a picture.
+    /// Room for the beams of a picture; `None` where memory has none, as pictures can do without.
     pub(super) fn take_beams(
         &mut self,
         context: &Arc<Context>,
         size_px: [u32; 2],
         lengths: BeamLengths,
-    ) -> Result<Beams> {
+    ) -> Result<Option<Beams>> {
         let counts = BeamCounts::of(size_px, self.march_tile());
-        match self.beams.take() {
-            Some(beams) if beams.serve(counts, lengths.words) => Ok(beams),
-            _ => Beams::new(context, NAME, counts, lengths.words),
+        let kept = self.beams.take();
+        if let Some(beams) = kept.filter(|beams| beams.serve(counts, lengths.words)) {
+            return Ok(Some(beams));
+        }
+        match Beams::new(context, NAME, counts, lengths.words) {
+            Err(Error::OutOfMemory { .. }) => Ok(None),
+            made => made.map(Some),
         }
     }
 }

@@ -8,6 +8,7 @@
 )]
 
 mod backends;
+mod beams;
 mod camera;
 mod canary;
 mod depth;

@@ -112,9 +112,12 @@ fn pictures_depend_on_the_scene_alone() {
     assert_valid(&plain);
     assert!(complaints.is_empty(), "\n{}", complaints.join("\n"));
     let most = cases as usize;
+    // Beams are cast where the processor is the device.
+    let beams = plain.device().device_type == "cpu";
+    assert!(!beams || beamed > most / 32, "beams are cast");
     // Runs of a fixed length look at samples that leaps alone would spare: in small volumes often at all of them.
     assert!(
-        visible > most / 2 && skipped > most / 8 && lit > most / 8 && beamed > most / 32,
+        visible > most / 2 && skipped > most / 8 && lit > most / 8,
         "the cases are about something"
     );
 }

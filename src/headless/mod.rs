@@ -280,7 +280,10 @@ impl Session {
     /// [`Error::DeviceLost`], [`Error::Vulkan`], [`Error::OutOfMemory`].
     pub fn frame(&mut self) -> Result<Picture> {
         while self.refine_paths()? {}
-        self.timed_frame_unless_traced()?;
+        // Nothing is left to draw where paths have drawn it.
+        if self.path_progress().0 == 0 {
+            self.draw(true)?;
+        }
         let rgba = texels(&self.read_back(&self.target, PICTURE_TEXEL_BYTES)?);
         let aux: Vec<[f32; 4]> = texels(&self.read_back(&self.aux, PICTURE_TEXEL_BYTES)?);
         let through = self
@@ -379,14 +382,6 @@ impl Session {
             mean: sums.into_iter().map(mean).collect(),
             variance: variances,
         }))
-    }
-
-    /// Nothing is left to draw where paths have drawn it.
-    fn timed_frame_unless_traced(&mut self) -> Result<()> {
-        if self.path_progress().0 == 0 {
-            self.draw(true)?;
-        }
-        Ok(())
     }
 
     /// One picture without read-back: colour and opacity alone, as a host's command buffer records it, but for Monte Carlo without

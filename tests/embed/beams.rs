@@ -55,6 +55,9 @@ fn thin() -> Subject {
     subject(volume, camera, rise(60.0, 255.0, 0.4))
 }
 
+/// A scene, its step in voxels, and the distance of the nearest geometry, mm.
+type Scene = (fn() -> Subject, f64, f64);
+
 #[test]
 fn beams_change_no_bit_of_a_hosts_frame() {
     let host = Host::new();
@@ -67,8 +70,7 @@ fn beams_change_no_bit_of_a_hosts_frame() {
     let mut stage = Stage::new(&host, formats[0], SIZE);
     let behind = scenery(SIZE);
     let mut shown = 0;
-    let scenes: [(fn() -> Subject, f64, f64); 3] =
-        [(thin, 0.7, 45.0), (thin, 6.0, 45.0), (wall, 8.2, 50.0)];
+    let scenes: [Scene; 3] = [(thin, 0.7, 45.0), (thin, 6.0, 45.0), (wall, 8.2, 50.0)];
     for (scene, step, nearest) in scenes {
         for classification in [
             Classification::Post,

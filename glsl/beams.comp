@@ -73,8 +73,14 @@ uint bits_of(Beam beam, inout uint i, uint end) {
             steps = any(lessThan(left_ix, vec3(MARGIN_IX))) ? 0.0 : steps;
             float inside = floor(clamp(steps + 1.0 - to - MARGIN_STEPS, 0.0, 1.0e9));
             uint leapt = i + (leap > 0u && steps > 0.0 ? uint(inside) : 0u);
-            bits |= empty || leapt >= next ? 0u : 1u << (bit & 31u);
-            i = max(leapt, next);
+            bool shown = !empty && leapt < next;
+            // Within a block of which every cell shows something the bits up to its border are known as well.
+            vec3 block_border_ix = border_of(block_of(rear_ix), 1.0, float(BLOCK_CELLS), heading);
+            uint steps_inside = uint(clamp(steps_to_border(rear_ix, heading, block_border_ix), 0.0, 1.0e9));
+            uint more = min(steps_inside >> frame.beam_shift, 31u - (bit & 31u));
+            more = word == WHOLE_BLOCK ? more : 0u;
+            bits |= shown ? ((2u << more) - 1u) << (bit & 31u) : 0u;
+            i = shown ? next + (more << frame.beam_shift) : max(leapt, next);
         } while (i < end);
     }
     return bits;

@@ -226,7 +226,7 @@ impl Loaded {
     ) -> Result<()> {
         let target = frame.target;
         self.check_rounds(context)?;
-        let lengths = self.beam_lengths(context, target.size_px);
+        let lengths = self.beam_lengths(context, &frame.rays, target.size_px);
         let beams = match lengths {
             Some(lengths) => self.take_beams(context, target.size_px, lengths)?,
             None => None,

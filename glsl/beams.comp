@@ -43,11 +43,6 @@ uint bits_of(Beam beam, inout uint i, uint end) {
         from = -1.0;
         to = 1.0;
     }
-    Heading heading = heading_of(beam.front_step_ix);
-    uvec3 octants = octants_ahead(beam.descends);
-    uvec3 descending = uvec3(beam.descends);
-    heading.ahead = mix(vec3(1.0), vec3(0.0), beam.descends);
-    heading.shift = 4u * (descending.x + 2u * descending.y + 4u * descending.z);
     uint bits = 0u;
     if (i < end) {
         do {
@@ -62,21 +57,21 @@ uint bits_of(Beam beam, inout uint i, uint end) {
             vec3 far_ix = clamp(beam.front_ix + last * beam.front_step_ix, vec3(0.0), volume.field_ix);
             ivec3 far_cell = skip_cell_of(far_ix);
             uvec3 span = uvec3(abs(far_cell - cell));
-            bool empty = is_empty_box(word, octants, span) || is_empty_box(skip_word(far_cell), ~octants, span);
+            bool empty = is_empty_box(word, beam.octants, span) || is_empty_box(skip_word(far_cell), ~beam.octants, span);
             // and how many there are before the beam's front leaves the cube that the leap spans.
-            uint leap = leap_from(word, heading.shift);
-            vec3 border_ix = border_of(cell, float(leap), float(SKIP_CELLS), heading);
+            uint leap = leap_from(word, beam.heading.shift);
+            vec3 border_ix = border_of(cell, float(leap), float(SKIP_CELLS), beam.heading);
             vec3 front_ix = beam.front_ix + float(i) * beam.front_step_ix;
-            float steps = steps_to_border(front_ix, heading, border_ix);
+            float steps = steps_to_border(front_ix, beam.heading, border_ix);
             // On an axis along which it does not move it may be outside all the time.
-            vec3 left_ix = (border_ix - front_ix) * (2.0 * heading.ahead - 1.0);
+            vec3 left_ix = (border_ix - front_ix) * (2.0 * beam.heading.ahead - 1.0);
             steps = any(lessThan(left_ix, vec3(MARGIN_IX))) ? 0.0 : steps;
             float inside = floor(clamp(steps + 1.0 - to - MARGIN_STEPS, 0.0, 1.0e9));
             uint leapt = i + (leap > 0u && steps > 0.0 ? uint(inside) : 0u);
             bool shown = !empty && leapt < next;
             // Within a block of which every cell shows something the bits up to its border are known as well.
-            vec3 block_border_ix = border_of(block_of(rear_ix), 1.0, float(BLOCK_CELLS), heading);
-            uint steps_inside = uint(clamp(steps_to_border(rear_ix, heading, block_border_ix), 0.0, 1.0e9));
+            vec3 block_border_ix = border_of(block_of(rear_ix), 1.0, float(BLOCK_CELLS), beam.heading);
+            uint steps_inside = uint(clamp(steps_to_border(rear_ix, beam.heading, block_border_ix), 0.0, 1.0e9));
             uint more = min(steps_inside >> frame.beam_shift, 31u - (bit & 31u));
             more = word == WHOLE_BLOCK ? more : 0u;
             bits |= shown ? ((2u << more) - 1u) << (bit & 31u) : 0u;
@@ -114,7 +109,7 @@ void main() {
     // A loop and no branch, which CPU drivers would execute for all.
     uint unseen = all == 0u ? BEAM_PIXELS : 0u;
     for (uint k = 0u; k < unseen; ++k) {
-        uvec2 px = first_px + uvec2(k % BEAM_PX.x, k / BEAM_PX.x);
+        uvec2 px = first_px + pixel_of_beam(k);
         if (!is_outside(px)) {
             march_store(px, nothing());
         }

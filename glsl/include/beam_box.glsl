@@ -11,7 +11,8 @@ struct Beam {
     vec3 rear_step_ix;    // its way in a step
     vec3 front_ix;
     vec3 front_step_ix;
-    bvec3 descends;
+    Heading heading;      // of the foremost corner
+    uvec3 octants;        // nibbles of a word of leaps of the octants that go ahead along each axis
     uint segments;        // of the longest ray
     uint shortest;        // segments of the shortest that hits the field
 };
@@ -30,7 +31,7 @@ Beam beam_through(uvec2 first_px) {
     uint segments = 0u;
     uint shortest = ~0u;
     for (uint k = 0u; k < BEAM_PIXELS; ++k) {
-        uvec2 px = first_px + uvec2(k % BEAM_PX.x, k / BEAM_PX.x);
+        uvec2 px = first_px + pixel_of_beam(k);
         Ray ray = ray_through(vec2(px) + 0.5, frame, volume.field_ix);
         uint count = segment_count(ray, shift);
         vec3 on = ray.origin_ix + steps * ray.step_ix;
@@ -45,24 +46,23 @@ Beam beam_through(uvec2 first_px) {
     vec3 low_step = (low_on - low) / steps;
     vec3 high_step = (high_on - high) / steps;
     Beam beam;
-    beam.descends = lessThan(low_step + high_step, vec3(0.0));
-    vec3 ahead = mix(vec3(1.0), vec3(-1.0), beam.descends);
-    beam.rear_ix = mix(low, high, beam.descends) - MARGIN_BEAM_IX * ahead;
-    beam.rear_step_ix = mix(low_step, high_step, beam.descends);
-    beam.front_ix = mix(high, low, beam.descends) + MARGIN_BEAM_IX * ahead;
-    beam.front_step_ix = mix(high_step, low_step, beam.descends);
+    bvec3 descends = lessThan(low_step + high_step, vec3(0.0));
+    vec3 ahead = mix(vec3(1.0), vec3(-1.0), descends);
+    beam.rear_ix = mix(low, high, descends) - MARGIN_BEAM_IX * ahead;
+    beam.rear_step_ix = mix(low_step, high_step, descends);
+    beam.front_ix = mix(high, low, descends) + MARGIN_BEAM_IX * ahead;
+    beam.front_step_ix = mix(high_step, low_step, descends);
     // Rays may part so far that the hindmost corner goes backwards on an axis: it is where it ends then, all the time.
     bvec3 backwards = lessThan(beam.rear_step_ix * ahead, vec3(0.0));
     beam.rear_ix = mix(beam.rear_ix, beam.rear_ix + steps * beam.rear_step_ix, backwards);
     beam.rear_step_ix = mix(beam.rear_step_ix, vec3(0.0), backwards);
+    beam.heading = heading_along(beam.front_step_ix, descends);
+    beam.octants = mix(
+        uvec3(0x0f0f0f0fu, 0x00ff00ffu, 0x0000ffffu), uvec3(0xf0f0f0f0u, 0xff00ff00u, 0xffff0000u), descends
+    );
     beam.segments = segments;
     beam.shortest = shortest;
     return beam;
-}
-
-// Nibbles of a word of leaps of the octants that go ahead along an axis.
-uvec3 octants_ahead(bvec3 descends) {
-    return mix(uvec3(0x0f0f0f0fu, 0x00ff00ffu, 0x0000ffffu), uvec3(0xf0f0f0f0u, 0xff00ff00u, 0xffff0000u), descends);
 }
 
 // Whether nothing shows in a box of cells, by the leaps of the cell at one of its corners: a leap of as many cells as the box has

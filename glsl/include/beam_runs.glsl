@@ -13,12 +13,12 @@ layout(set = 0, binding = BINDING_BEAM_RUNS) readonly buffer BeamRuns { uint bea
 uvec2 beam_pixel(out uint bits_at) {
     uint at = gl_LocalInvocationIndex;
     uint group = dealt(gl_WorkGroupID.y, gl_NumWorkGroups.y) * BEAM_GROUPS_A_ROW + gl_WorkGroupID.x;
-    uint place = group * BEAMS_A_GROUP + at / 8u;
+    uint place = group * BEAMS_A_GROUP + at / BEAM_PIXELS;
     bool listed = place < beam_tiles[push.beam_tile].w;
     uint beam_xy = beam_list[push.first_beam + (listed ? place : 0u)];
     uvec2 beam = uvec2(beam_xy & 0xffffu, beam_xy >> 16u);
     bits_at = beam_at(beam) * frame.beam_words;
-    uvec2 px = push.tile_px + BEAM_PX * beam + uvec2(at & 3u, at >> 2u & 1u);
+    uvec2 px = push.tile_px + BEAM_PX * beam + pixel_of_beam(at % BEAM_PIXELS);
     return listed ? px : push.tile_end_px;
 }
 

@@ -8,6 +8,11 @@ const uint BEAM_PIXELS = BEAM_PX.x * BEAM_PX.y;
 const uint BEAM_GROUPS_A_ROW = 32u;
 const uint BEAMS_A_GROUP = 8u;
 
+// Where in its beam a pixel lies.
+uvec2 pixel_of_beam(uint at) {
+    return uvec2(at % BEAM_PX.x, at / BEAM_PX.x);
+}
+
 // Place of the beam at `beam` (in beams from the tile's corner) among all.
 uint beam_at(uvec2 beam) {
     uint width = (push.tile_end_px.x - push.tile_px.x + BEAM_PX.x - 1u) / BEAM_PX.x;

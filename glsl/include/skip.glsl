@@ -33,16 +33,19 @@ struct Heading {
     uint shift;        // of its octant's bits
 };
 
-// `d_ix`: index units per step.
-Heading heading_of(vec3 d_ix) {
+// `d_ix`: index units per step. `descends`: axes along which `ahead` is down.
+Heading heading_along(vec3 d_ix, bvec3 descends) {
     Heading h;
     h.steps_per_ix = 1.0 / d_ix;
     h.still = equal(d_ix, vec3(0.0));
-    bvec3 descends = lessThan(d_ix, vec3(0.0));
     h.ahead = mix(vec3(1.0), vec3(0.0), descends);
     uvec3 bits = uvec3(descends);
     h.shift = 4u * (bits.x + 2u * bits.y + 4u * bits.z);
     return h;
+}
+
+Heading heading_of(vec3 d_ix) {
+    return heading_along(d_ix, lessThan(d_ix, vec3(0.0)));
 }
 
 // Steps from `p_ix` to just before the planes `border_ix`, one on each axis, whichever comes first.

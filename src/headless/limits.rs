@@ -12,7 +12,7 @@ impl Session {
     /// # Errors
     /// As [`Session::frame`].
     pub fn timed_bare_march(&mut self) -> Result<FrameTime> {
-        self.timed(Work::Bare)
+        self.timed(Work::Bare, false)
     }
 
     /// Traces one more direction of light, as [`Session::refine_light`] does; `None` when none is left.
@@ -24,7 +24,7 @@ impl Session {
         if traced == rays {
             return Ok(None);
         }
-        self.timed(Work::LightOnly).map(Some)
+        self.timed(Work::LightOnly, false).map(Some)
     }
 
     /// The limit of a direction of light: for every sample of the light volume as many samples of the field as a ray has at the
@@ -38,7 +38,7 @@ impl Session {
             return Ok(None);
         }
         self.restart_light();
-        let time = self.timed(Work::BareLight)?;
+        let time = self.timed(Work::BareLight, false)?;
         self.restart_light();
         Ok(Some(time))
     }

@@ -397,9 +397,7 @@ impl Session {
     fn draw(&mut self, layers: bool) -> Result<FrameTime> {
         self.samples = None;
         self.layered = false;
-        let watch = Stopwatch::start();
-        self.submit_drawing(Work::PictureOnly, layers)?;
-        let time = watch.elapsed();
+        let time = self.timed(Work::PictureOnly, layers)?;
         self.layered = layers;
         self.times.frame_ms = time.wall_ms;
         Ok(time)
@@ -455,9 +453,10 @@ impl Session {
         ))
     }
 
-    fn timed(&mut self, work: Work) -> Result<FrameTime> {
+    /// See [`Session::submit_drawing`].
+    fn timed(&mut self, work: Work, layers: bool) -> Result<FrameTime> {
         let watch = Stopwatch::start();
-        self.submit(work)?;
+        self.submit_drawing(work, layers)?;
         Ok(watch.elapsed())
     }
 

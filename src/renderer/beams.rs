@@ -34,28 +34,39 @@ fn lengths(segments: f64) -> BeamLengths {
 }
 
 impl Loaded {
-    /// How the rays of a picture are cut into runs, where beams find out which of those show something.
-    pub(super) fn beam_lengths(
-        &self,
-        context: &Context,
+    /// Room for the beams of a picture, and how its rays are cut into runs; `None` where beams do not pay or memory has no room for them,
+    /// as pictures can do without.
+    pub(super) fn take_beams(
+        &mut self,
+        context: &Arc<Context>,
         rays: &RayBasis,
         size_px: [u32; 2],
-    ) -> Option<BeamLengths> {
+    ) -> Result<Option<(Beams, BeamLengths)>> {
+        let kept = self.beams.take();
         let march = &self.settings.march;
+        let capabilities = context.capabilities();
         let skips = march.beams && march.empty_space_skipping && self.is_uniform_grid();
-        let composites = self.settings.composites();
-        let narrow = self.pixel_ix(rays, size_px) <= WIDEST_PIXEL;
-        if !(context.capabilities().casts_beams && skips && composites && narrow) {
-            return None;
+        let serves = capabilities.casts_beams && skips && self.settings.composites();
+        if !serves || !self.has_narrow_pixels(rays, size_px) {
+            return Ok(None);
         }
         // Those of the longest way, the one that a jittered start adds, and one for rounding.
         let lengths = lengths(self.longest_mm() / self.step_mm() + 2.0);
-        let bytes = BeamCounts::of(size_px, self.march_tile()).run_bytes(lengths.words);
-        (bytes <= context.capabilities().max_storage_bytes).then_some(lengths)
+        let counts = BeamCounts::of(size_px, self.march_tile());
+        if counts.run_bytes(lengths.words) > capabilities.max_storage_bytes {
+            return Ok(None);
+        }
+        if let Some(beams) = kept.filter(|beams| beams.serve(counts, lengths.words)) {
+            return Ok(Some((beams, lengths)));
+        }
+        match Beams::new(context, NAME, counts, lengths.words) {
+            Err(Error::OutOfMemory { .. }) => Ok(None),
+            made => Ok(Some((made?, lengths))),
+        }
     }
 
-    /// Voxels from a pixel to the next, in the middle of the volume.
-    fn pixel_ix(&self, rays: &RayBasis, [width, height]: [u32; 2]) -> f64 {
+    /// True where pixels are at most [`WIDEST_PIXEL`] apart in the middle of the volume.
+    fn has_narrow_pixels(&self, rays: &RayBasis, [width, height]: [u32; 2]) -> bool {
         let volume = &self.store.volume;
         let world_from_ix = volume.world_from_ix();
         let last = DVec3::from_array(volume.size().map(|n| f64::from(n - 1)));
@@ -65,33 +76,15 @@ impl Loaded {
         let direction = rays.direction + x * rays.direction_dx + y * rays.direction_dy;
         let lengths = origin.distance(middle) / direction.length();
         let ix_from_world = world_from_ix.matrix3.inverse();
-        let along = |origin: DVec3, direction: DVec3| {
-            (ix_from_world * (origin + lengths * direction)).length()
+        let is_narrow = |origin: DVec3, direction: DVec3| {
+            (ix_from_world * (origin + lengths * direction)).length() <= WIDEST_PIXEL
         };
-        along(rays.origin_dx, rays.direction_dx).max(along(rays.origin_dy, rays.direction_dy))
+        is_narrow(rays.origin_dx, rays.direction_dx) && is_narrow(rays.origin_dy, rays.direction_dy)
     }
 
     /// Bytes that they take.
     pub(crate) fn beams_bytes(&self) -> u64 {
         self.beams.as_ref().map_or(0, Beams::bytes)
-    }
-
-    /// Room for the beams of a picture; `None` where memory has none, as pictures can do without.
-    pub(super) fn take_beams(
-        &mut self,
-        context: &Arc<Context>,
-        size_px: [u32; 2],
-        lengths: BeamLengths,
-    ) -> Result<Option<Beams>> {
-        let counts = BeamCounts::of(size_px, self.march_tile());
-        let kept = self.beams.take();
-        if let Some(beams) = kept.filter(|beams| beams.serve(counts, lengths.words)) {
-            return Ok(Some(beams));
-        }
-        match Beams::new(context, NAME, counts, lengths.words) {
-            Err(Error::OutOfMemory { .. }) => Ok(None),
-            made => made.map(Some),
-        }
     }
 }
 

@@ -226,11 +226,9 @@ impl Loaded {
     ) -> Result<()> {
         let target = frame.target;
         self.check_rounds(context)?;
-        let lengths = self.beam_lengths(context, &frame.rays, target.size_px);
-        let beams = match lengths {
-            Some(lengths) => self.take_beams(context, target.size_px, lengths)?,
-            None => None,
-        };
+        let (beams, lengths) = self
+            .take_beams(context, &frame.rays, target.size_px)?
+            .unzip();
         let mut params = self.frame_params(frame, lengths);
         if self.settings.traces_paths() {
             params.frame = self.next_path(context, frame)?;

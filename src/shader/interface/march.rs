@@ -6,57 +6,77 @@ use super::{
     uniform,
 };
 
-const MARCH_SPEC_IDS: &[u32] = &[
-    SPEC_INTERPOLATION,
-    SPEC_BLOCKS_APART,
-    SPEC_SKIPPING,
-    SPEC_EMISSION,
-    SPEC_LIGHT,
-    SPEC_DIFFUSE,
-    SPEC_JITTER,
-    SPEC_AUX,
-    SPEC_SCENE_DEPTH,
-    SPEC_ENCODE_SRGB,
-    SPEC_MANUAL_FILTER,
-    SPEC_UNIFORM_GRID,
-    SPEC_EXACT_BINS,
-    SPEC_CLASSIFICATION,
-    SPEC_GRADIENT,
-    SPEC_XRAY,
-    SPEC_LABELS,
-    SPEC_DATA_COLOR,
-    SPEC_STORED_GRADIENTS,
-    SPEC_PACKED_CELLS,
-    SPEC_RUNS,
-    SPEC_LOADS,
-    SPEC_BEAMS,
-];
+/// Specialization constants of both programs of the march, and the one that picks a classification where there are several.
+macro_rules! march_spec_ids {
+    ($($classification:ident)?) => {
+        &[
+            SPEC_INTERPOLATION,
+            SPEC_BLOCKS_APART,
+            SPEC_SKIPPING,
+            SPEC_EMISSION,
+            SPEC_LIGHT,
+            SPEC_DIFFUSE,
+            SPEC_JITTER,
+            SPEC_AUX,
+            SPEC_SCENE_DEPTH,
+            SPEC_ENCODE_SRGB,
+            SPEC_MANUAL_FILTER,
+            SPEC_UNIFORM_GRID,
+            SPEC_EXACT_BINS,
+            $($classification,)?
+            SPEC_GRADIENT,
+            SPEC_XRAY,
+            SPEC_LABELS,
+            SPEC_DATA_COLOR,
+            SPEC_STORED_GRADIENTS,
+            SPEC_PACKED_CELLS,
+            SPEC_RUNS,
+            SPEC_LOADS,
+            SPEC_BEAMS,
+        ]
+    };
+}
 
-const fn march_bindings(target: Access) -> [Binding; 22] {
-    [
-        uniform(BINDING_VOLUME),
-        uniform(BINDING_FRAME),
-        sampled(BINDING_ATLAS),
-        sampled(BINDING_INDEX),
-        sampled(BINDING_SKIP),
-        sampled(BINDING_TRANSFER),
-        sampled(BINDING_LIGHT),
-        sampled(BINDING_SCENE_DEPTH),
-        storage_image(BINDING_TARGET, target),
-        storage_image(BINDING_AUX, Access::Write),
-        sampled(BINDING_LABELS),
-        sampled(BINDING_LABEL_TABLE),
-        sampled(BINDING_COLOR),
-        sampled(BINDING_GRADIENTS),
-        storage_image(BINDING_GRADIENTS_TEN_BITS, Access::Read),
-        storage_image(BINDING_PACKED_CELLS, Access::Read),
-        storage_image(BINDING_SKIP_LOADS, Access::Read),
-        storage_image(BINDING_TRANSFER_LOADS, Access::Read),
-        storage_image(BINDING_GRADIENTS_HALVES, Access::Read),
-        storage_read(BINDING_BEAM_TILES),
-        storage_read(BINDING_BEAM_LIST),
-        storage_read(BINDING_BEAM_RUNS),
-    ]
+/// What both programs of the march bind, and the tables that one of them reads.
+macro_rules! march_bindings {
+    ($target:expr; $($table:ident)*; $($loads:ident)*) => {
+        &[
+            uniform(BINDING_VOLUME),
+            uniform(BINDING_FRAME),
+            sampled(BINDING_ATLAS),
+            sampled(BINDING_INDEX),
+            sampled(BINDING_SKIP),
+            sampled(BINDING_TRANSFER),
+            sampled(BINDING_LIGHT),
+            sampled(BINDING_SCENE_DEPTH),
+            storage_image(BINDING_TARGET, $target),
+            storage_image(BINDING_AUX, Access::Write),
+            $(sampled($table),)*
+            sampled(BINDING_LABELS),
+            sampled(BINDING_LABEL_TABLE),
+            sampled(BINDING_COLOR),
+            sampled(BINDING_GRADIENTS),
+            storage_image(BINDING_GRADIENTS_TEN_BITS, Access::Read),
+            storage_image(BINDING_PACKED_CELLS, Access::Read),
+            storage_image(BINDING_SKIP_LOADS, Access::Read),
+            storage_image(BINDING_TRANSFER_LOADS, Access::Read),
+            $(storage_image($loads, Access::Read),)*
+            storage_image(BINDING_GRADIENTS_HALVES, Access::Read),
+            storage_read(BINDING_BEAM_TILES),
+            storage_read(BINDING_BEAM_LIST),
+            storage_read(BINDING_BEAM_RUNS),
+        ]
+    };
+}
+
+macro_rules! march_ends_bindings {
+    ($target:expr) => {
+        march_bindings!(
+            $target;
+            BINDING_PREINTEGRATED BINDING_PREINTEGRATED_EMISSION;
+            BINDING_PREINTEGRATED_LOADS BINDING_PREINTEGRATED_EMISSION_LOADS
+        )
+    };
 }
 
 /// Emission and absorption, sampled at the middles of segments.
@@ -68,67 +88,11 @@ pub const MARCH: PicturePasses = picture(
         &generated::MARCH_BLEND_RGBA32F,
     ],
     [
-        &march_bindings(Access::Write),
-        &march_bindings(Access::ReadWrite),
+        march_bindings!(Access::Write; ;),
+        march_bindings!(Access::ReadWrite; ;),
     ],
-    MARCH_SPEC_IDS,
+    march_spec_ids!(SPEC_CLASSIFICATION),
 );
-
-const MARCH_ENDS_SPEC_IDS: &[u32] = &[
-    SPEC_INTERPOLATION,
-    SPEC_BLOCKS_APART,
-    SPEC_SKIPPING,
-    SPEC_EMISSION,
-    SPEC_LIGHT,
-    SPEC_DIFFUSE,
-    SPEC_JITTER,
-    SPEC_AUX,
-    SPEC_SCENE_DEPTH,
-    SPEC_ENCODE_SRGB,
-    SPEC_MANUAL_FILTER,
-    SPEC_UNIFORM_GRID,
-    SPEC_EXACT_BINS,
-    SPEC_GRADIENT,
-    SPEC_XRAY,
-    SPEC_LABELS,
-    SPEC_DATA_COLOR,
-    SPEC_STORED_GRADIENTS,
-    SPEC_PACKED_CELLS,
-    SPEC_RUNS,
-    SPEC_LOADS,
-    SPEC_BEAMS,
-];
-
-const fn march_ends_bindings(target: Access) -> [Binding; 26] {
-    [
-        uniform(BINDING_VOLUME),
-        uniform(BINDING_FRAME),
-        sampled(BINDING_ATLAS),
-        sampled(BINDING_INDEX),
-        sampled(BINDING_SKIP),
-        sampled(BINDING_TRANSFER),
-        sampled(BINDING_LIGHT),
-        sampled(BINDING_SCENE_DEPTH),
-        storage_image(BINDING_TARGET, target),
-        storage_image(BINDING_AUX, Access::Write),
-        sampled(BINDING_PREINTEGRATED),
-        sampled(BINDING_PREINTEGRATED_EMISSION),
-        sampled(BINDING_LABELS),
-        sampled(BINDING_LABEL_TABLE),
-        sampled(BINDING_COLOR),
-        sampled(BINDING_GRADIENTS),
-        storage_image(BINDING_GRADIENTS_TEN_BITS, Access::Read),
-        storage_image(BINDING_PACKED_CELLS, Access::Read),
-        storage_image(BINDING_SKIP_LOADS, Access::Read),
-        storage_image(BINDING_TRANSFER_LOADS, Access::Read),
-        storage_image(BINDING_PREINTEGRATED_LOADS, Access::Read),
-        storage_image(BINDING_PREINTEGRATED_EMISSION_LOADS, Access::Read),
-        storage_image(BINDING_GRADIENTS_HALVES, Access::Read),
-        storage_read(BINDING_BEAM_TILES),
-        storage_read(BINDING_BEAM_LIST),
-        storage_read(BINDING_BEAM_RUNS),
-    ]
-}
 
 /// The same, sampled at the ends of segments and integrated between.
 pub const MARCH_ENDS: PicturePasses = picture(
@@ -139,10 +103,10 @@ pub const MARCH_ENDS: PicturePasses = picture(
         &generated::MARCH_ENDS_BLEND_RGBA32F,
     ],
     [
-        &march_ends_bindings(Access::Write),
-        &march_ends_bindings(Access::ReadWrite),
+        march_ends_bindings!(Access::Write),
+        march_ends_bindings!(Access::ReadWrite),
     ],
-    MARCH_ENDS_SPEC_IDS,
+    march_spec_ids!(),
 );
 
 const BEAMS_SPEC_IDS: &[u32] = &[

@@ -25,6 +25,37 @@ layout(set = 0, binding = BINDING_BEAM_TILES) buffer BeamTiles { uvec4 beam_tile
 layout(set = 0, binding = BINDING_BEAM_LIST) buffer BeamList { uint beam_list[]; };
 layout(set = 0, binding = BINDING_BEAM_RUNS) buffer BeamRuns { uint beam_runs[]; };
 
+// The target was cleared to its background. Drivers that store pixel by pixel and channel by channel take half of this pass for what
+// shows nothing.
+layout(constant_id = SPEC_CLEARED) const bool CLEARED = false;
+
+// Whether pixels that show nothing are stored at all.
+bool stores_unseen() {
+    bool stores = true;
+    if (CLEARED) {
+        stores = false;
+    }
+#ifdef BLEND_FORMAT
+    // What is blended over stays, but for what decoding and encoding round.
+    stores = ENCODE_SRGB;
+#endif
+    if (AUX) {
+        stores = true;
+    }
+    return stores;
+}
+
+void store_unseen(uvec2 first_px, bool seen) {
+    // A loop and no branch, which CPU drivers would execute for all.
+    uint unseen = seen ? 0u : BEAM_PIXELS;
+    for (uint k = 0u; k < unseen; ++k) {
+        uvec2 px = first_px + pixel_of_beam(k);
+        if (!is_outside(px)) {
+            march_store(px, nothing());
+        }
+    }
+}
+
 // Bits of the segments from `i` up to `end`; `i` goes on to where they are known.
 uint bits_of(Beam beam, inout uint i, uint end) {
     // Where along a segment samples may lie: at its middle, or from its start, or that of the one before where rays start anywhere in
@@ -91,11 +122,16 @@ void main() {
     uint bits_at = beam_at(beam_xy) * frame.beam_words;
     uint i = 0u;
     uint all = 0u;
-    for (uint word = 0u; word < frame.beam_words; ++word) {
-        uint bits = bits_of(beam, i, min((32u * (word + 1u)) << frame.beam_shift, beam.segments));
+    uint word = 0u;
+    uint end = 0u;
+    // Not a loop over frame.beam_words: lavapipe compiles those anew for every value of a uniform, at every dispatch.
+    do {
+        end += 32u << frame.beam_shift;
+        uint bits = bits_of(beam, i, min(end, beam.segments));
         beam_runs[bits_at + word] = bits;
         all |= bits;
-    }
+        word++;
+    } while (end < beam.segments);
     if (all != 0u) {
         uint place = atomicAdd(beam_tiles[push.beam_tile].w, 1u);
         beam_list[push.first_beam + place] = beam_xy.x | beam_xy.y << 16u;
@@ -106,12 +142,7 @@ void main() {
             beam_tiles[push.beam_tile].z = 1u;
         }
     }
-    // A loop and no branch, which CPU drivers would execute for all.
-    uint unseen = all == 0u ? BEAM_PIXELS : 0u;
-    for (uint k = 0u; k < unseen; ++k) {
-        uvec2 px = first_px + pixel_of_beam(k);
-        if (!is_outside(px)) {
-            march_store(px, nothing());
-        }
+    if (stores_unseen()) {
+        store_unseen(first_px, all != 0u);
     }
 }

@@ -49,11 +49,12 @@ void main() {
         path.radiance += path.through * environment_radiance(ray.direction_ws);
         path.through = vec3(0.0);
     }
-    // The first path finds whatever the images held before.
-    bool first = frame.frame == 0u;
-    vec4 sum = vec4(path.radiance, 0.0) + (first ? vec4(0.0) : imageLoad(i_paths_sum, ivec2(px)));
-    vec4 square = vec4(path.radiance * path.radiance, 0.0) + (first ? vec4(0.0) : imageLoad(i_paths_square, ivec2(px)));
-    vec4 through = vec4(path.through, float(path.samples)) + (first ? vec4(0.0) : imageLoad(i_paths_through, ivec2(px)));
+    // The first path finds whatever the images held before. Selected, not branched on: lavapipe compiles branches by a uniform alone
+    // anew at every dispatch.
+    bvec4 first = bvec4(frame.frame == 0u);
+    vec4 sum = vec4(path.radiance, 0.0) + mix(imageLoad(i_paths_sum, ivec2(px)), vec4(0.0), first);
+    vec4 square = vec4(path.radiance * path.radiance, 0.0) + mix(imageLoad(i_paths_square, ivec2(px)), vec4(0.0), first);
+    vec4 through = vec4(path.through, float(path.samples)) + mix(imageLoad(i_paths_through, ivec2(px)), vec4(0.0), first);
     imageStore(i_paths_sum, ivec2(px), sum);
     imageStore(i_paths_square, ivec2(px), square);
     imageStore(i_paths_through, ivec2(px), through);

@@ -27,7 +27,7 @@ use glam::DMat4;
 
 use crate::error::{Error, Result};
 use crate::gpu::{
-    Access, HostTransition, HostUse, Image, OwnedRecording, Recorder, transition_host_images,
+    HostTransition, HostUse, Image, OwnedRecording, Recorder, transition_host_images,
 };
 use crate::pass::picture::PictureVariant;
 use crate::renderer::{self, Frame, FrameDepth, FrameTarget, RayBasis, Work, ix_from_clip};
@@ -199,6 +199,7 @@ impl Renderer {
         let frame = Frame {
             rays,
             target: FrameTarget {
+                own: None,
                 view: target.view,
                 format: target.format,
                 size_px,
@@ -351,7 +352,6 @@ pub(crate) fn record_owned(
     renderer: &mut Renderer,
     recording: &OwnedRecording,
     frame: &Frame<'_>,
-    target: &Image,
     work: Work,
 ) -> Result<FrameReport> {
     let (index, completed) = (recording.index(), recording.index() - 1);
@@ -362,11 +362,10 @@ pub(crate) fn record_owned(
         // SAFETY: `OwnedDevice::submit` hands out a command buffer that is recording, on the context's queue family, and
         // submits in order.
         let mut recorder = unsafe { Recorder::new(context, recording.command_buffer(), slot) };
-        recorder.use_image(target, Access::Storage);
         let recorded = renderer::record(context, &mut recorder, loaded, frame, work);
         if recorded.is_err() {
-            target.forget();
-            frame.aux.into_iter().for_each(Image::forget);
+            let ours = frame.target.own.into_iter().chain(frame.aux);
+            ours.for_each(Image::forget);
         }
         recorded
     })

@@ -95,3 +95,4 @@
 #define SPEC_RUNS 32
 #define SPEC_LOADS 33
 #define SPEC_BEAMS 34
+#define SPEC_CLEARED 35

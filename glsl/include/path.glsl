@@ -69,7 +69,9 @@ bool collide(inout Path path, vec3 p_ix, Matter matter, inout vec3 direction_ws,
         return false;
     }
     path.weight *= matter.color * medium.albedo;
-    if (medium.light_count > 0u) {
+    // A path of no weight meets no light either: by the number of lights alone lavapipe would compile this anew at every dispatch.
+    float lit = float(medium.light_count) * max(path.weight.r, max(path.weight.g, path.weight.b));
+    if (lit > 0.0) {
         path.radiance += path.weight * light_scattered(p_ix, direction_ws, random);
     }
     direction_ws = scattered_direction(direction_ws, random, path.weight);

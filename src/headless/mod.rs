@@ -1,6 +1,7 @@
 //! Rendering without a host: a device of our own, pictures read back.
 
 mod frame_time;
+mod images;
 mod light_volume;
 mod limits;
 mod probe;
@@ -9,15 +10,13 @@ mod stats;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use ash::vk;
-
 use self::frame_time::Stopwatch;
+use self::images::{
+    PICTURE_FORMAT, PICTURE_TEXEL_BYTES, picture_image, read_back, texels, through_image,
+};
 use crate::embed::record_owned;
 use crate::error::{Error, Result};
-use crate::gpu::memory::MemoryLocation;
-use crate::gpu::{
-    Buffer, Context, CopyBox, HostMemory, Image, ImageInfo, OwnedDevice, OwnedDeviceInfo,
-};
+use crate::gpu::{HostMemory, Image, OwnedDevice, OwnedDeviceInfo};
 use crate::picture::{Measured, Picture};
 use crate::renderer::{Frame, FrameReport, FrameTarget, RayBasis, Renderer, Settings, Work};
 use crate::scene::{OpticalModel, RayProjection, Scene, View};
@@ -35,13 +34,8 @@ pub use stats::{
 
 /// Bytes of bricks uploaded by one submission.
 const UPLOAD_BYTES: usize = 64 << 20;
-/// Bytes of an image read back by one submission.
-const READ_BACK_BYTES: u64 = 64 << 20;
 /// Paths of a pixel before its noise says something.
 const LEAST_PATHS: u32 = 16;
-/// Linear radiance and opacity.
-const PICTURE_FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
-const PICTURE_TEXEL_BYTES: u64 = 16;
 
 /// How the device is opened.
 #[derive(Clone, Debug)]
@@ -464,12 +458,18 @@ impl Session {
         lock(&self.device).info.clone()
     }
 
-    fn frame_of<'a>(&self, aux: Option<&'a Image>, through: Option<&'a Image>) -> Frame<'a> {
+    fn frame_of<'a>(
+        &self,
+        target: &'a Image,
+        aux: Option<&'a Image>,
+        through: Option<&'a Image>,
+    ) -> Frame<'a> {
         let size_px = self.size();
         Frame {
             rays: RayBasis::from_view(&self.view, size_px),
             target: FrameTarget {
-                view: self.target.view(),
+                own: Some(target),
+                view: target.view(),
                 format: PICTURE_FORMAT,
                 size_px,
                 encode_srgb: false,
@@ -492,12 +492,16 @@ impl Session {
 
     /// The same. `layers`: with depths and sample counts, where the work draws a picture.
     fn submit_drawing(&mut self, work: Work, layers: bool) -> Result<FrameReport> {
-        let frame = self.frame_of(layers.then_some(&self.aux), self.through.as_ref());
+        let frame = self.frame_of(
+            &self.target,
+            layers.then_some(&self.aux),
+            self.through.as_ref(),
+        );
         let mut device = lock(&self.device);
         let mut index = 0;
         let submitted = device.submit(|recording| {
             index = recording.index();
-            record_owned(&mut self.renderer, recording, &frame, &self.target, work)
+            record_owned(&mut self.renderer, recording, &frame, work)
         });
         drop(device);
         if submitted.is_err() {
@@ -520,77 +524,4 @@ impl Session {
         let mut device = lock(&self.device);
         read_back(&mut device, image, texel_bytes)
     }
-}
-
-fn picture_image(context: &Arc<Context>, name: &str, [width, height]: [u32; 2]) -> Result<Image> {
-    Image::new(
-        context,
-        &ImageInfo {
-            name,
-            extent: [width, height, 1],
-            format: PICTURE_FORMAT,
-            three_dimensional: false,
-            usage: vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_SRC,
-        },
-    )
-}
-
-/// Where extinctions differ by channel, the image for what comes through each.
-fn through_image(
-    context: &Arc<Context>,
-    size: [u32; 2],
-    settings: &Settings,
-) -> Result<Option<Image>> {
-    let [r, g, b] = settings.lighting.extinction;
-    (r != g || g != b)
-        .then(|| picture_image(context, "umbravox.picture.through", size))
-        .transpose()
-}
-
-/// Texels of an image, in slabs of bounded size.
-fn read_back(device: &mut OwnedDevice, image: &Image, texel_bytes: u64) -> Result<Vec<u8>> {
-    let [width, height, depth] = image.extent();
-    let row_bytes = u64::from(width) * texel_bytes;
-    // Slabs of whole slices, or of rows where a slice is too large (then there is one slice: pictures).
-    let slice_bytes = row_bytes * u64::from(height);
-    let (rows, slices) = if slice_bytes <= READ_BACK_BYTES {
-        (
-            height,
-            (READ_BACK_BYTES / slice_bytes).clamp(1, depth.into()) as u32,
-        )
-    } else {
-        ((READ_BACK_BYTES / row_bytes).max(1) as u32, 1)
-    };
-    let context = device.context().clone();
-    let buffer = Buffer::new(
-        &context,
-        "umbravox.read_back",
-        row_bytes * u64::from(rows) * u64::from(slices),
-        vk::BufferUsageFlags::TRANSFER_DST,
-        MemoryLocation::Readback,
-    )?;
-    let mut bytes = Vec::new();
-    let total = slice_bytes * u64::from(depth);
-    bytes
-        .try_reserve_exact(total as usize)
-        .map_err(|e| Error::OutOfMemory {
-            heap: "host",
-            what: "umbravox.read_back".into(),
-            bytes: total,
-            detail: e.to_string(),
-        })?;
-    for z in (0..depth).step_by(slices as usize) {
-        for y in (0..height).step_by(rows as usize) {
-            let extent = [width, rows.min(height - y), slices.min(depth - z)];
-            let part = CopyBox::packed(0, [0, y, z], extent);
-            device.copy_to_host(image, &buffer, part)?;
-            let part_bytes = row_bytes * u64::from(extent[1]) * u64::from(extent[2]);
-            bytes.extend_from_slice(&buffer.mapped()?[..part_bytes as usize]);
-        }
-    }
-    Ok(bytes)
-}
-
-fn texels(bytes: &[u8]) -> Vec<[f32; 4]> {
-    bytemuck::pod_collect_to_vec(bytes)
 }

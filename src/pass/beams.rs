@@ -2,7 +2,7 @@
 //!
 //! Reads   skip (SampledGeneral)
 //! Writes  bits of every beam, the list of beams that show something and its length by tile (Storage); the target and the depths of
-//!         pixels of the others (Storage)
+//!         pixels of the others (Storage), unless the target holds there what it should
 //! Grid    one invocation for 4x2 pixels, one dispatch a tile
 //! Method  a box around the rays moves along them and leaps by the same cubes as rays do; beam optimization as of Laine and Karras,
 //!         "Efficient sparse voxel octrees", 2010, with bits for all of the ray instead of where it begins

@@ -118,6 +118,8 @@ pub(crate) struct PictureVariant {
     pub(crate) data_color: bool,
     /// Beams find out first where rays have something to do.
     pub(crate) beams: bool,
+    /// The target holds the background already.
+    pub(crate) cleared: bool,
     pub(crate) jitter: bool,
     pub(crate) aux: bool,
     pub(crate) scene_depth: bool,
@@ -185,6 +187,7 @@ impl PictureVariant {
             (SPEC_DIFFUSE, self.diffuse.into()),
             (SPEC_DATA_COLOR, self.data_color.into()),
             (SPEC_BEAMS, self.beams.into()),
+            (SPEC_CLEARED, self.cleared.into()),
             (SPEC_JITTER, self.jitter.into()),
             (SPEC_AUX, self.aux.into()),
             (SPEC_SCENE_DEPTH, self.scene_depth.into()),

@@ -242,6 +242,9 @@ impl Loaded {
             _ => None,
         };
         let medium = self.medium_uniforms(recorder)?;
+        // Depths are infinite where nothing shows, and no image is cleared to that.
+        let pays = beams.is_some() && frame.aux.is_none() && target.background == [0.0; 4];
+        let cleared = target.own.filter(|_| pays);
         let Settings {
             march, lighting, ..
         } = &self.settings;
@@ -256,6 +259,7 @@ impl Loaded {
             transport: self.transport.as_ref().map(Transport::variant),
             data_color: self.images.color.is_some(),
             beams: beams.is_some(),
+            cleared: cleared.is_some(),
             jitter: march.jitter,
             aux: frame.aux.is_some(),
             scene_depth: frame.depth.is_some(),
@@ -278,6 +282,10 @@ impl Loaded {
             ..
         } = self;
         let recorded = recorder.pass(pass_name::MARCH, |recorder| {
+            if let Some(image) = cleared {
+                recorder.clear(image);
+            }
+            target.use_own(recorder);
             let resources = PictureResources {
                 images,
                 labels: labels.as_ref(),
@@ -389,6 +397,7 @@ impl Loaded {
             ..
         } = self;
         recorder.pass(pass_name::BARE, |recorder| {
+            frame.target.use_own(recorder);
             let resources = BareResources {
                 images,
                 packed_cells,

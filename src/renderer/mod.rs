@@ -21,7 +21,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use crate::error::{Error, Result};
-use crate::gpu::{Context, FrameSlots, Image, PassTime, Recorder};
+use crate::gpu::{Access, Context, FrameSlots, Image, PassTime, Recorder};
 use crate::volume::Volume;
 use light::LightWorkload;
 
@@ -33,8 +33,10 @@ pub use rays::DepthRange;
 pub use settings::Settings;
 
 /// What a frame is drawn into, in `GENERAL` while the march runs.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct FrameTarget {
+#[derive(Clone, Copy)]
+pub(crate) struct FrameTarget<'a> {
+    /// The image, if it is ours: neither blended over nor encoded, and the barriers are up to us.
+    pub(crate) own: Option<&'a Image>,
     pub(crate) view: vk::ImageView,
     pub(crate) format: vk::Format,
     pub(crate) size_px: [u32; 2],
@@ -43,6 +45,15 @@ pub(crate) struct FrameTarget {
     pub(crate) blend: bool,
     /// Linear; alpha 0: the result stays premultiplied over nothing.
     pub(crate) background: [f32; 4],
+}
+
+impl FrameTarget<'_> {
+    /// To be asked for before passes that draw into it.
+    fn use_own(&self, recorder: &mut Recorder<'_>) {
+        if let Some(image) = self.own {
+            recorder.use_image(image, Access::Storage);
+        }
+    }
 }
 
 /// The host's depth image, sampled in `layout`.
@@ -57,7 +68,7 @@ pub(crate) struct FrameDepth {
 /// One frame.
 pub(crate) struct Frame<'a> {
     pub(crate) rays: RayBasis,
-    pub(crate) target: FrameTarget,
+    pub(crate) target: FrameTarget<'a>,
     pub(crate) depth: Option<FrameDepth>,
     /// Depth and sample counts are written here.
     pub(crate) aux: Option<&'a Image>,

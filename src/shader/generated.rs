@@ -504,3 +504,5 @@ pub const SPEC_RUNS: u32 = 32;
 pub const SPEC_LOADS: u32 = 33;
 
 pub const SPEC_BEAMS: u32 = 34;
+
+pub const SPEC_CLEARED: u32 = 35;

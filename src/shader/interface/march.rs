@@ -120,6 +120,7 @@ const BEAMS_SPEC_IDS: &[u32] = &[
     SPEC_XRAY,
     SPEC_RUNS,
     SPEC_LOADS,
+    SPEC_CLEARED,
 ];
 
 const fn beams_bindings(target: Access) -> [Binding; 9] {

@@ -13,12 +13,15 @@
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
 
 layout(set = 0, binding = BINDING_CHUNKS, std430) readonly buffer ChunkList { ivec4 chunks[]; };
-layout(set = 0, binding = BINDING_GRADIENTS_HALVES, rgba16f) uniform writeonly image3D i_halves;
-layout(set = 0, binding = BINDING_GRADIENTS_TEN_BITS, r32ui) uniform writeonly uimage3D i_ten_bits;
+layout(set = 0, binding = BINDING_GRADIENTS_STORE, rgba16f) uniform writeonly image3D i_filtered;
+layout(set = 0, binding = BINDING_GRADIENTS_HALVES, rgba16f) uniform writeonly imageBuffer i_halves;
+layout(set = 0, binding = BINDING_GRADIENTS_TEN_BITS, r32ui) uniform writeonly uimageBuffer i_ten_bits;
 layout(push_constant) uniform Push { PartPush push; };
 
 // Which of them: as for STORED_GRADIENTS.
 layout(constant_id = SPEC_STORED_GRADIENTS) const uint STORED_GRADIENTS = 0;
+
+#include "gradient_pages.glsl"
 
 const int CHUNK = 16;
 
@@ -46,10 +49,16 @@ void main() {
     vec3 p_ix = vec3(voxel);
     vec3 g = GRADIENT == 0u ? central_differences_at(voxel) : estimated_gradient_ix(brick_at(p_ix), p_ix);
     g /= volume.gradient_unit;
+    if (STORED_GRADIENTS == 1u) {
+        imageStore(i_filtered, voxel, vec4(g, 0.0));
+        return;
+    }
+    ivec3 parts = gradient_place(voxel);
+    int place = parts.x + parts.y + parts.z;
     if (STORED_GRADIENTS == 2u) {
         uvec3 bits = uvec3(ivec3(round(g)) + TEN_BITS_ZERO);
-        imageStore(i_ten_bits, voxel, uvec4(bits.x | bits.y << 10 | bits.z << 20));
+        imageStore(i_ten_bits, place, uvec4(bits.x | bits.y << 10 | bits.z << 20));
     } else {
-        imageStore(i_halves, voxel, vec4(g, 0.0));
+        imageStore(i_halves, place, vec4(g, 0.0));
     }
 }

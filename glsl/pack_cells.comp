@@ -1,16 +1,16 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Packs the corners of voxel cells into texels (packed_cells.glsl): one invocation for a texel.
+// Packs the corners of voxel cells into texels (packed_pages.glsl): one invocation for a texel, two workgroups for a page.
 
 #include "bindings.glsl"
 #include "structs.glsl"
-#include "packed_cells.glsl"
+#include "packed_pages.glsl"
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 128) in;
 
 layout(set = 0, binding = BINDING_ATLAS) uniform sampler3D t_atlas;
-layout(set = 0, binding = BINDING_PACKED_CELLS_STORE, rgba32ui) uniform writeonly uimage3D i_store;
-layout(push_constant) uniform Push { PartPush push; };
+layout(set = 0, binding = BINDING_PACKED_CELLS_STORE, rgba32ui) uniform writeonly uimageBuffer i_store;
+layout(push_constant) uniform Push { PackPush push; };
 
 // Samples 3x .. 3x + 3 of a row; beyond the last of the atlas that one again, which has weight 0.
 uvec4 row_at(int x, int y, int z, ivec3 last) {
@@ -35,11 +35,12 @@ uvec2 words_of(uvec4 row) {
 
 void main() {
     ivec3 last = textureSize(t_atlas, 0) - 1;
-    ivec3 at = ivec3(gl_GlobalInvocationID) + ivec3(0, 0, int(push.first));
-    ivec3 end = imageSize(i_store);
-    if (any(greaterThanEqual(at, end))) {
-        return;
-    }
+    uint number = push.first + gl_WorkGroupID.x;
+    ivec3 page = ivec3(number % push.pages.x, number % push.pages.y / push.pages.x, number / push.pages.y);
+    int within = int(128u * gl_WorkGroupID.y + gl_LocalInvocationID.x);
+    ivec3 bits = packed_page_bits();
+    ivec3 in_page = ivec3(within >> bits.z, within >> (bits.z + bits.x), within) & ((ivec3(1) << bits) - 1);
+    ivec3 at = (page << bits) + in_page;
     uvec4 texel;
     if (PACKED_CELLS == 2u) {
         for (int j = 0; j < 2; ++j) {
@@ -52,5 +53,5 @@ void main() {
             texel[j] = bytes_of(row_at(at.x, CELLS_A_ROW * at.y + j, at.z, last));
         }
     }
-    imageStore(i_store, at, texel);
+    imageStore(i_store, int(number) * PACKED_PAGE_TEXELS + within, texel);
 }

@@ -8,11 +8,13 @@
 layout(constant_id = SPEC_STORED_GRADIENTS) const uint STORED_GRADIENTS = 0;
 
 layout(set = 0, binding = BINDING_GRADIENTS) uniform sampler3D t_gradients;
-layout(set = 0, binding = BINDING_GRADIENTS_TEN_BITS, r32ui) uniform readonly uimage3D i_gradients_ten_bits;
-layout(set = 0, binding = BINDING_GRADIENTS_HALVES, rgba16f) uniform readonly image3D i_gradients_halves;
+layout(set = 0, binding = BINDING_GRADIENTS_TEN_BITS, r32ui) uniform readonly uimageBuffer i_gradients_ten_bits;
+layout(set = 0, binding = BINDING_GRADIENTS_HALVES, rgba16f) uniform readonly imageBuffer i_gradients_halves;
+
+#include "gradient_pages.glsl"
 
 // What a texel counts, in units of `volume.gradient_unit`.
-vec3 gradient_texel(ivec3 at) {
+vec3 gradient_texel(int at) {
     if (STORED_GRADIENTS == 3u) {
         return imageLoad(i_gradients_halves, at).rgb;
     }
@@ -23,13 +25,14 @@ vec3 gradient_texel(ivec3 at) {
 vec3 gradient_between(vec3 p_ix) {
     ivec3 i = ivec3(p_ix);
     precise vec3 f = p_ix - vec3(i);
-    ivec3 j = min(i + 1, ivec3(volume.field_ix));
+    ivec3 j = gradient_place(min(i + 1, ivec3(volume.field_ix)));
+    i = gradient_place(i);
     precise vec3 rows[4];
     [[unroll]] for (int n = 0; n < 4; ++n) {
-        ivec2 yz = ivec2((n & 1) == 0 ? i.y : j.y, n < 2 ? i.z : j.z);
-        vec3 low = gradient_texel(ivec3(i.x, yz));
+        int yz = ((n & 1) == 0 ? i.y : j.y) + (n < 2 ? i.z : j.z);
+        vec3 low = gradient_texel(i.x + yz);
         // Not mix(), which may miss the value that both ends have: flat places would have gradients.
-        rows[n] = low + (gradient_texel(ivec3(j.x, yz)) - low) * f.x;
+        rows[n] = low + (gradient_texel(j.x + yz) - low) * f.x;
     }
     precise vec3 low = rows[0] + (rows[1] - rows[0]) * f.y;
     precise vec3 high = rows[2] + (rows[3] - rows[2]) * f.y;

@@ -1,18 +1,13 @@
-// The corners of voxel cells side by side in one texel: drivers that filter on the processor load them faster than they filter.
+// The field from packed corners of voxel cells: drivers that filter on the processor load them faster than they filter. Includes
+// params.glsl first.
 
-// 0: there are none. Else the bytes of a sample (src/atlas/packed_cells.rs).
-layout(constant_id = SPEC_PACKED_CELLS) const uint PACKED_CELLS = 0;
+#include "packed_pages.glsl"
 
-layout(set = 0, binding = BINDING_PACKED_CELLS, rgba32ui) uniform readonly uimage3D i_packed_cells;
+layout(set = 0, binding = BINDING_PACKED_CELLS, rgba32ui) uniform readonly uimageBuffer i_packed_cells;
 
-// A texel holds samples of one slice: 3x .. 3x + 3 of some rows, a row in as many words as a sample has bytes. Of bytes these are rows
-// 3y .. 3y + 3, of two bytes rows y and y + 1. Neighbouring texels share samples, so that the corners of every cell in the slice lie
-// in one.
-const int CELLS_A_ROW = 3;
-
-// Index / 3, of indices below 49152. (Division of integers is slow.)
+// Index / 3, of indices below 32768. (Division of integers is slow.)
 int third_of(int index) {
-    return (index * 43691) >> 17;
+    return (index * 21846) >> 16;
 }
 
 // The four corners of a cell in one slice, as pairs along x: low ends of rows y and y + 1, then high ends. As whole numbers: scaled
@@ -33,14 +28,19 @@ vec4 corners_in(uvec4 texel, ivec2 cell) {
 float packed_linear(vec3 at) {
     ivec3 i = ivec3(at);
     vec3 f = at - vec3(i);
-    ivec2 texel = ivec2(third_of(i.x), i.y);
+    ivec3 texel = ivec3(third_of(i.x), i.yz);
     ivec2 cell = ivec2(i.x - CELLS_A_ROW * texel.x, 0);
     if (PACKED_CELLS == 1u) {
         texel.y = third_of(i.y);
         cell.y = i.y - CELLS_A_ROW * texel.y;
     }
-    vec4 near = corners_in(imageLoad(i_packed_cells, ivec3(texel, i.z)), cell);
-    vec4 far = corners_in(imageLoad(i_packed_cells, ivec3(texel, i.z + 1)), cell);
+    int place = packed_place(texel, ivec2(volume.pages.xy));
+    // The next slice is the next texel, or in the next page.
+    int last_z = (1 << packed_page_bits().z) - 1;
+    int layer = int(volume.pages.y) * PACKED_PAGE_TEXELS;
+    int next = place + ((texel.z & last_z) == last_z ? layer - last_z : 1);
+    vec4 near = corners_in(imageLoad(i_packed_cells, place), cell);
+    vec4 far = corners_in(imageLoad(i_packed_cells, next), cell);
     // Not mix(), which may miss the value that both ends have: flat places would have gradients.
     vec4 low = vec4(near.xy, far.xy);
     vec4 high = vec4(near.zw, far.zw);

@@ -20,6 +20,7 @@ struct VolumeParams {
     vec4 label_ix_from_ix_x;  // rows of an index of the label map from one of the volume
     vec4 label_ix_from_ix_y;
     vec4 label_ix_from_ix_z;
+    uvec4 pages;            // pages in a row, and in a layer of rows: of packed corners, of gradients
 };
 
 // What changes with the camera. A ray through pixel (px, py) starts at origin + px origin_dx + py origin_dy and goes
@@ -94,6 +95,13 @@ struct LightPush {
 struct PartPush {
     uint first;
     uint count;
+};
+
+// Pages of packed corners.
+struct PackPush {
+    uint first;
+    uint unused;
+    uvec2 pages;  // in a row, in a layer of rows
 };
 
 // Where a brick lies: the reverse index, atlas to volume.

@@ -7,10 +7,12 @@ use std::sync::Arc;
 
 use ash::vk;
 
+use super::images::NoTexels;
+use super::pages::Pages;
 use super::residency::{Residency, Store};
 use super::visibility::Visibility;
 use crate::error::Result;
-use crate::gpu::{Context, Image, ImageInfo};
+use crate::gpu::{Buffer, Context, Image, ImageInfo, TexelBuffer};
 use crate::scene::Gradient;
 use crate::volume::VoxelType;
 use crate::volume::cells::SKIP_CELLS;
@@ -40,19 +42,22 @@ struct Coding {
 }
 
 impl Coding {
-    /// `None` where halves cannot hold what the volume's range makes of gradients.
-    fn of(context: &Context, store: &Store, estimator: Gradient) -> Option<Self> {
+    /// `None` where halves cannot hold what the volume's range makes of gradients. `extent`: of the volume of gradients.
+    fn of(context: &Context, store: &Store, extent: [u32; 3], estimator: Gradient) -> Option<Self> {
         let voxels = store.volume.voxels().voxel_type();
         let eight_bits = matches!(voxels, VoxelType::U8 | VoxelType::I8);
-        let loads = context.capabilities().loads_texels;
-        if eight_bits && loads && estimator == Gradient::CentralDifferences {
-            // Differences of two voxels are whole numbers of halves of a step of theirs, at most 510: all of them are exact.
-            return Some(Self {
-                texels: GradientTexels::TenBits,
-                format: vk::Format::R32_UINT,
-                texel_bytes: 4,
-                unit: 1.0 / 510.0,
-            });
+        // Differences of two voxels are whole numbers of halves of a step of theirs, at most 510: all of them are exact.
+        let ten_bits = Self {
+            texels: GradientTexels::TenBits,
+            format: vk::Format::R32_UINT,
+            texel_bytes: 4,
+            unit: 1.0 / 510.0,
+        };
+        if eight_bits
+            && estimator == Gradient::CentralDifferences
+            && ten_bits.loads(context, extent)
+        {
+            return Some(ten_bits);
         }
         // Numbers up to 1024 and a little, so that what is thousands of times smaller keeps its digits.
         let range = match voxels {
@@ -63,22 +68,54 @@ impl Coding {
             _ => 1.0,
         };
         let unit = if range == 0.0 { 1.0 } else { range / 1024.0 };
-        unit.is_normal().then_some(Self {
-            texels: if loads {
-                GradientTexels::Halves
-            } else {
-                GradientTexels::Filtered
-            },
+        if !unit.is_normal() {
+            return None;
+        }
+        let halves = Self {
+            texels: GradientTexels::Halves,
             format: vk::Format::R16G16B16A16_SFLOAT,
             texel_bytes: 8,
             unit,
+        };
+        Some(if halves.loads(context, extent) {
+            halves
+        } else {
+            Self {
+                texels: GradientTexels::Filtered,
+                ..halves
+            }
         })
     }
+
+    /// Whether shaders are to interpolate, which only pays where the device is a processor, and can load so many texels.
+    fn loads(&self, context: &Context, extent: [u32; 3]) -> bool {
+        let bytes = self.pages(extent).map_or(0, Pages::bytes);
+        context.capabilities().loads_texels
+            && bytes <= TexelBuffer::max_bytes(context, self.texel_bytes)
+    }
+
+    /// Of what shaders interpolate, in the shapes that they expect (gradient_pages.glsl).
+    fn pages(&self, extent: [u32; 3]) -> Option<Pages> {
+        let shape = match self.texels {
+            GradientTexels::Filtered => return None,
+            GradientTexels::TenBits => [8, 8, 16],
+            GradientTexels::Halves => [8, 8, 8],
+        };
+        Some(Pages::of(extent, shape, self.texel_bytes))
+    }
+}
+
+/// Where the texels are.
+pub(crate) enum GradientStore {
+    /// For the texture unit.
+    Image(Image),
+    /// For shaders that interpolate.
+    Pages(TexelBuffer, Pages),
 }
 
 /// The volume of gradients on the device.
 pub(crate) struct GradientVolume {
-    pub(crate) image: Image,
+    pub(crate) store: GradientStore,
     estimator: Gradient,
     coding: Coding,
     /// Chunks on x, y, z.
@@ -108,7 +145,8 @@ impl GradientVolume {
         if !residency.layout.is_grid() || estimator.is_cubic() {
             return Ok(None);
         }
-        let Some(coding) = Coding::of(context, store, estimator) else {
+        let extent = residency.layout.extent();
+        let Some(coding) = Coding::of(context, store, extent, estimator) else {
             return Ok(None);
         };
         let voxel_bytes = store.volume.voxels().voxel_type().bytes() as u64;
@@ -116,21 +154,28 @@ impl GradientVolume {
         if residency.layout.texels().saturating_mul(texel_bytes) > budget_bytes {
             return Ok(None);
         }
-        let image = Image::new(
-            context,
-            &ImageInfo {
-                name: &format!("{name}.gradients"),
-                extent: residency.layout.extent(),
-                format: coding.format,
-                three_dimensional: true,
-                usage: vk::ImageUsageFlags::SAMPLED
-                    | vk::ImageUsageFlags::STORAGE
-                    | vk::ImageUsageFlags::TRANSFER_DST,
-            },
-        )?;
+        let name = format!("{name}.gradients");
+        let gradients = match coding.pages(extent) {
+            Some(pages) => {
+                let texels = TexelBuffer::new(context, &name, coding.format, pages.bytes())?;
+                GradientStore::Pages(texels, pages)
+            }
+            None => GradientStore::Image(Image::new(
+                context,
+                &ImageInfo {
+                    name: &name,
+                    extent,
+                    format: coding.format,
+                    three_dimensional: true,
+                    usage: vk::ImageUsageFlags::SAMPLED
+                        | vk::ImageUsageFlags::STORAGE
+                        | vk::ImageUsageFlags::TRANSFER_DST,
+                },
+            )?),
+        };
         let counts = store.grid().size().map(|n| n.div_ceil(CHUNK));
         Ok(Some(Self {
-            image,
+            store: gradients,
             estimator,
             coding,
             counts,
@@ -162,9 +207,53 @@ impl GradientVolume {
         self.stale = true;
     }
 
+    /// What the texture unit filters, if it does.
+    pub(crate) fn image(&self) -> Option<&Image> {
+        match &self.store {
+            GradientStore::Image(image) => Some(image),
+            GradientStore::Pages(..) => None,
+        }
+    }
+
+    /// What shaders load from, of ten bits and of halves; `none` stands in.
+    pub(crate) fn texel_buffers<'a>(
+        gradients: Option<&'a Self>,
+        none: &'a NoTexels,
+    ) -> [&'a TexelBuffer; 2] {
+        let of = |kind| {
+            gradients.and_then(|gradients| match &gradients.store {
+                GradientStore::Pages(texels, _) if gradients.texels() == kind => Some(texels),
+                _ => None,
+            })
+        };
+        [
+            of(GradientTexels::TenBits).unwrap_or(&none.ten_bits),
+            of(GradientTexels::Halves).unwrap_or(&none.halves),
+        ]
+    }
+
+    /// Bytes of device memory.
+    pub(crate) fn bytes(&self) -> u64 {
+        match &self.store {
+            GradientStore::Image(image) => image.bytes(),
+            GradientStore::Pages(texels, _) => texels.buffer().bytes(),
+        }
+    }
+
+    /// What shaders load from.
+    pub(crate) fn pages(&self) -> Option<Pages> {
+        match self.store {
+            GradientStore::Image(_) => None,
+            GradientStore::Pages(_, pages) => Some(pages),
+        }
+    }
+
     /// See [`Image::forget`]. Everything is computed again.
     pub(crate) fn forget(&mut self) {
-        self.image.forget();
+        match &self.store {
+            GradientStore::Image(image) => image.forget(),
+            GradientStore::Pages(texels, _) => Buffer::forget(texels.buffer()),
+        }
         self.done.fill(false);
         self.cleared = false;
         self.stale = true;

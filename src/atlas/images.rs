@@ -7,7 +7,7 @@ use ash::vk;
 use super::{ColorAtlas, INTEGRAL_ROWS, LightWork, PackedCells, Residency, Store, TransferTable};
 use crate::error::{Error, Result};
 use crate::gpu::memory::MemoryLocation;
-use crate::gpu::{Buffer, Context, Filter, Image, ImageInfo, Sampler};
+use crate::gpu::{Buffer, Context, Filter, Image, ImageInfo, Sampler, TexelBuffer};
 use crate::scene::ColorManagement;
 use crate::volume::VoxelType;
 
@@ -26,8 +26,8 @@ pub(crate) struct Images {
     pub(crate) skip: Image,
     /// Corners of voxel cells, packed; what fills them decides when they can be read.
     pub(crate) packed_cells: Option<PackedCells>,
-    /// Stands in for those.
-    pub(crate) no_cells: Image,
+    /// Stands in for texel buffers that are not there.
+    pub(crate) no_texels: NoTexels,
     /// Colours of the data, where they are drawn.
     pub(crate) color: Option<ColorAtlas>,
     /// Transfer-function table.
@@ -98,12 +98,7 @@ impl Images {
             .transpose()?;
         Ok(Self {
             packed_cells: None,
-            no_cells: volume_image(
-                "no_cells",
-                [1; 3],
-                PackedCells::FORMAT,
-                vk::ImageUsageFlags::STORAGE,
-            )?,
+            no_texels: NoTexels::new(context, name)?,
             color,
             atlas: volume_image("atlas", extent, format, sampled)?,
             index: volume_image(
@@ -168,7 +163,6 @@ impl Images {
         let images = [
             &self.atlas,
             &self.index,
-            &self.no_cells,
             &self.skip,
             &self.transfer,
             &self.light,
@@ -184,6 +178,29 @@ impl Images {
         } else {
             &self.linear
         }
+    }
+}
+
+/// A texel of each format that texel buffers have, which nothing reads.
+pub(crate) struct NoTexels {
+    /// As of packed corners.
+    pub(crate) cells: TexelBuffer,
+    /// As of gradients of ten bits.
+    pub(crate) ten_bits: TexelBuffer,
+    /// As of gradients in halves.
+    pub(crate) halves: TexelBuffer,
+}
+
+impl NoTexels {
+    fn new(context: &Arc<Context>, name: &str) -> Result<Self> {
+        let texel = |part: &str, format| {
+            TexelBuffer::new(context, &format!("{name}.no_{part}"), format, 16)
+        };
+        Ok(Self {
+            cells: texel("cells", PackedCells::FORMAT)?,
+            ten_bits: texel("ten_bits", vk::Format::R32_UINT)?,
+            halves: texel("halves", vk::Format::R16G16B16A16_SFLOAT)?,
+        })
     }
 }
 

@@ -13,6 +13,7 @@ mod lit_voxels;
 mod majorant;
 mod medium;
 mod packed_cells;
+mod pages;
 mod preintegration;
 mod residency;
 mod scatter;
@@ -23,13 +24,16 @@ mod visibility;
 
 pub(crate) use bins::Bins;
 pub(crate) use colors::{COLOR_TEXEL_BYTES, ColorAtlas};
-pub(crate) use gradients::{CHUNK as GRADIENT_CHUNK, GradientTexels, GradientVolume};
+pub(crate) use gradients::{
+    CHUNK as GRADIENT_CHUNK, GradientStore, GradientTexels, GradientVolume,
+};
 pub(crate) use images::{Images, LIGHT_TEXEL_BYTES, LightLists, TableImages};
 pub(crate) use labels::LabelImages;
 pub(crate) use light_work::{GROUP, LightWork};
 pub(crate) use majorant::Majorants;
 pub(crate) use medium::{LightGrid, MediumExtents, MediumImages, MediumTexels};
 pub(crate) use packed_cells::{PackedCells, Packing};
+pub(crate) use pages::Pages;
 pub(crate) use preintegration::{Preintegration, ROWS as INTEGRAL_ROWS};
 pub(crate) use residency::{Residency, Store};
 pub(crate) use scatter::{ScatterImages, Solver};

@@ -1,37 +1,36 @@
 //! The corners of voxel cells, packed: a second copy of the atlas, for drivers that filter on the processor.
 //!
 //! A filter reads eight texels for a sample, each with an address of its own. Here the eight lie in two texels, four of each
-//! slice: `glsl/include/packed_cells.glsl` loads and interpolates them in less than half the time.
+//! slice: `glsl/include/packed_cells.glsl` loads and interpolates them in less than half the time. Texels lie in pages ([`Pages`]).
 
 use std::sync::Arc;
 
 use ash::vk;
 
+use super::pages::Pages;
 use super::residency::{Residency, Store};
 use crate::error::Result;
-use crate::gpu::{Context, Image, ImageInfo};
+use crate::gpu::{Context, TexelBuffer};
 use crate::volume::VoxelType;
 
 /// Cells of a row of a texel; the shader's `CELLS_A_ROW`.
 const CELLS_A_ROW: u32 = 3;
 /// Largest index whose texel the shader finds (`third_of`).
-const MAX_INDEX: u32 = 49151;
+const MAX_INDEX: u32 = 32767;
 
-const TEXEL_BYTES: u64 = 16;
-/// Most bytes of samples of two bytes, 5.3 for a voxel: larger copies wait for memory longer than filters compute.
-const MAX_BYTES_OF_TWO: u64 = 64 << 20;
+const TEXEL_BYTES: u32 = 16;
 
 /// What packed corners would be like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Packing {
-    extent: [u32; 3],
+    pages: Pages,
     /// Bytes of a sample, 1 or 2.
     sample_bytes: u32,
 }
 
 impl Packing {
-    /// `None` where the device filters faster itself, samples have more than two bytes, those of two would take more than
-    /// [`MAX_BYTES_OF_TWO`], or the budget, which the texels of the atlas and what belongs to each share, has no room.
+    /// `None` where the device filters faster itself, samples have more than two bytes, or the budget, which the texels of the atlas
+    /// and what belongs to each share, has no room.
     pub(crate) fn of(
         context: &Context,
         store: &Store,
@@ -45,28 +44,25 @@ impl Packing {
             VoxelType::U16 | VoxelType::I16 => 2,
             VoxelType::F32 => return None,
         };
-        if !context.capabilities().loads_texels
-            || !context.can_store(PackedCells::FORMAT)
-            || width.max(height) > MAX_INDEX
-            || depth >= context.capabilities().max_extent_3d
-        {
+        if !context.capabilities().loads_texels || width.max(height) > MAX_INDEX {
             return None;
         }
-        // One slice more: samples on the last one load the next, of which they take nothing.
-        let rows = if sample_bytes == 1 {
-            height.div_ceil(CELLS_A_ROW)
+        // The shapes of pages are the shader's (packed_pages.glsl).
+        let (rows, page) = if sample_bytes == 1 {
+            (height.div_ceil(CELLS_A_ROW), [4, 4, 16])
         } else {
-            height
+            (height, [4, 8, 8])
         };
+        // One slice more: samples on the last one load the next, of which they take nothing.
         let extent = [width.div_ceil(CELLS_A_ROW), rows, depth + 1];
-        let texels = extent.iter().map(|&n| u64::from(n)).product::<u64>();
+        let pages = Pages::of(extent, page, TEXEL_BYTES);
         let texel_bytes = u64::from(sample_bytes + other_texel_bytes);
         let beside = residency.layout.texels().saturating_mul(texel_bytes);
-        let bytes = texels.saturating_mul(TEXEL_BYTES);
-        let worth_it = sample_bytes == 1 || bytes <= MAX_BYTES_OF_TWO;
-        let fits = bytes.saturating_add(beside) <= budget_bytes;
-        (worth_it && fits).then_some(Self {
-            extent,
+        let bytes = pages.bytes();
+        let fits = bytes.saturating_add(beside) <= budget_bytes
+            && bytes <= TexelBuffer::max_bytes(context, TEXEL_BYTES);
+        fits.then_some(Self {
+            pages,
             sample_bytes,
         })
     }
@@ -74,8 +70,8 @@ impl Packing {
 
 /// Packed corners on the device.
 pub(crate) struct PackedCells {
-    pub(crate) image: Image,
-    sample_bytes: u32,
+    pub(crate) texels: TexelBuffer,
+    packing: Packing,
     complete: bool,
 }
 
@@ -85,38 +81,30 @@ impl PackedCells {
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
     pub(crate) fn new(context: &Arc<Context>, name: &str, packing: Packing) -> Result<Self> {
-        let image = Image::new(
-            context,
-            &ImageInfo {
-                name: &format!("{name}.cells"),
-                extent: packing.extent,
-                format: Self::FORMAT,
-                three_dimensional: true,
-                usage: vk::ImageUsageFlags::STORAGE,
-            },
-        )?;
+        let name = format!("{name}.cells");
         Ok(Self {
-            image,
-            sample_bytes: packing.sample_bytes,
+            texels: TexelBuffer::new(context, &name, Self::FORMAT, packing.pages.bytes())?,
+            packing,
             complete: false,
         })
     }
 
     pub(crate) fn packing(&self) -> Packing {
-        Packing {
-            extent: self.image.extent(),
-            sample_bytes: self.sample_bytes,
-        }
+        self.packing
+    }
+
+    pub(crate) fn pages(&self) -> Pages {
+        self.packing.pages
     }
 
     /// Bytes of a sample, 1 or 2.
     pub(crate) fn sample_bytes(&self) -> u32 {
-        self.sample_bytes
+        self.packing.sample_bytes
     }
 
-    /// See [`Image::forget`]. Everything is packed again.
+    /// See [`crate::gpu::Buffer::forget`]. Everything is packed again.
     pub(crate) fn forget(&mut self) {
-        self.image.forget();
+        self.texels.buffer().forget();
         self.complete = false;
     }
 

@@ -87,8 +87,10 @@ pub struct Capabilities {
     pub(crate) max_loop_rounds: Option<u32>,
     /// Runs of consecutive workgroups that the driver cuts a dispatch into, one for each thread; 1 where threads take what comes next.
     pub(crate) dispatch_runs: u32,
-    /// Storage images that a shader may have.
+    /// Storage images and storage texel buffers that a shader may have.
     pub(crate) max_storage_images: u32,
+    /// Texels of a texel buffer.
+    pub(crate) max_texel_buffer_texels: u32,
     /// The device is a processor: it reads storage images faster than it fetches or filters texels of sampled ones.
     pub(crate) loads_texels: bool,
     /// The device is a processor, which executes what a branch leaves out, and all rays of a subgroup as far as the longest: it gains
@@ -100,7 +102,7 @@ pub struct Capabilities {
 /// `LP_MAX_TGSI_LOOP_ITERATIONS` of Mesa's gallivm: one counter for all loops of an invocation.
 const LLVMPIPE_LOOP_ROUNDS: u32 = 65_535;
 
-/// Storage images that the pass with most of them has (the pre-integrated march).
+/// Storage images and storage texel buffers that the pass with most of them has (the pre-integrated march).
 const STORAGE_IMAGES: u32 = 9;
 
 /// `LP_MAX_THREADS` of Mesa's llvmpipe.
@@ -175,6 +177,7 @@ impl Capabilities {
             },
             max_loop_rounds: llvmpipe.then_some(LLVMPIPE_LOOP_ROUNDS),
             max_storage_images: properties.limits.max_per_stage_descriptor_storage_images,
+            max_texel_buffer_texels: properties.limits.max_texel_buffer_elements,
             loads_texels: properties.device_type == vk::PhysicalDeviceType::CPU,
             casts_beams: properties.device_type == vk::PhysicalDeviceType::CPU,
             dispatch_runs: if llvmpipe { llvmpipe_threads() } else { 1 },
@@ -220,11 +223,13 @@ mod tests {
 
     #[test]
     fn no_pass_has_more_storage_images_than_devices_are_asked_for() {
+        let kinds = [
+            DescriptorKind::StorageImage,
+            DescriptorKind::StorageTexelBuffer,
+        ];
         let of_pass = |pass: &crate::shader::PassInterface| {
             let images = pass.bindings.iter().map(|b| b.kind);
-            images
-                .filter(|&kind| kind == DescriptorKind::StorageImage)
-                .count()
+            images.filter(|kind| kinds.contains(kind)).count()
         };
         let most = PASSES.iter().map(of_pass).max();
         assert_eq!(most, Some(super::STORAGE_IMAGES as usize));

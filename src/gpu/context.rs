@@ -135,11 +135,6 @@ impl Context {
         self.format_has(format, vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR)
     }
 
-    /// True when shaders can write images of `format`.
-    pub(crate) fn can_store(&self, format: vk::Format) -> bool {
-        self.format_has(format, vk::FormatFeatureFlags::STORAGE_IMAGE)
-    }
-
     fn format_has(&self, format: vk::Format, features: vk::FormatFeatureFlags) -> bool {
         // SAFETY: the physical device belongs to the instance, both alive by the contract of `from_host`.
         let properties = unsafe {

@@ -52,6 +52,7 @@ impl FrameSlot {
             (vk::DescriptorType::STORAGE_BUFFER, 32),
             (vk::DescriptorType::COMBINED_IMAGE_SAMPLER, 96),
             (vk::DescriptorType::STORAGE_IMAGE, 32),
+            (vk::DescriptorType::STORAGE_TEXEL_BUFFER, 32),
         ];
         let sizes = kinds.map(|(ty, descriptor_count)| vk::DescriptorPoolSize {
             ty,

@@ -22,6 +22,7 @@ mod pipeline;
 mod pipeline_cache;
 mod recorder;
 mod retire;
+mod texel_buffer;
 
 pub use capabilities::{Capabilities, DeviceInfo, Requirements};
 pub use context::{Context, HostDevice};
@@ -35,3 +36,4 @@ pub(crate) use memory::MemoryLocation;
 pub(crate) use owned_device::{OwnedDevice, OwnedDeviceInfo, OwnedRecording, list_devices};
 pub(crate) use pipeline::{Bound, Pipeline};
 pub(crate) use recorder::{CopyBox, HostTransition, HostUse, Recorder, transition_host_images};
+pub(crate) use texel_buffer::TexelBuffer;

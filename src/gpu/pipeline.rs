@@ -34,6 +34,8 @@ pub(crate) enum Bound<'a> {
     },
     /// A storage image.
     StorageImage(&'a super::Image),
+    /// A storage texel buffer.
+    Texels(&'a super::TexelBuffer),
     /// A host's view with a sampler, in a stated layout.
     SampledView {
         view: vk::ImageView,
@@ -52,6 +54,7 @@ fn descriptor_type(kind: DescriptorKind) -> vk::DescriptorType {
         DescriptorKind::SampledImage => vk::DescriptorType::SAMPLED_IMAGE,
         DescriptorKind::Sampler => vk::DescriptorType::SAMPLER,
         DescriptorKind::StorageImage => vk::DescriptorType::STORAGE_IMAGE,
+        DescriptorKind::StorageTexelBuffer => vk::DescriptorType::STORAGE_TEXEL_BUFFER,
     }
 }
 
@@ -195,6 +198,7 @@ pub(super) unsafe fn descriptor_set(
         };
         let mut images = [vk::DescriptorImageInfo::default()];
         let mut buffers = [vk::DescriptorBufferInfo::default()];
+        let mut texels = [vk::BufferView::null()];
         let write = vk::WriteDescriptorSet::default()
             .dst_set(set)
             .dst_binding(binding.binding)
@@ -251,6 +255,10 @@ pub(super) unsafe fn descriptor_set(
                     image_layout: vk::ImageLayout::GENERAL,
                 };
                 write.image_info(&images)
+            }
+            Bound::Texels(buffer) => {
+                texels[0] = buffer.view();
+                write.texel_buffer_view(&texels)
             }
             Bound::StorageView(view) => {
                 images[0] = vk::DescriptorImageInfo {

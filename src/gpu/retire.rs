@@ -11,6 +11,7 @@ use super::memory::MemoryBlock;
 /// Something to destroy.
 pub(crate) enum Retired {
     Buffer(vk::Buffer, MemoryBlock),
+    BufferView(vk::BufferView),
     Image(vk::Image, vk::ImageView, MemoryBlock),
     Sampler(vk::Sampler),
     Pipeline(vk::Pipeline, vk::PipelineLayout, vk::DescriptorSetLayout),
@@ -78,6 +79,7 @@ unsafe fn destroy(context: &Context, object: Retired) {
                 device.destroy_buffer(buffer, None);
                 context.free_memory(block);
             }
+            Retired::BufferView(view) => device.destroy_buffer_view(view, None),
             Retired::Image(image, view, block) => {
                 device.destroy_image_view(view, None);
                 device.destroy_image(image, None);

@@ -12,9 +12,9 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::{Reconstruction, Variants, gradient_constant, sampled, use_packed_cells};
-use crate::atlas::{GRADIENT_CHUNK, GradientTexels, GradientVolume, Images};
+use crate::atlas::{GRADIENT_CHUNK, GradientStore, GradientVolume, Images};
 use crate::error::Result;
-use crate::gpu::{Access, Bound, Buffer, Context, Recorder, Uniforms};
+use crate::gpu::{Access, Bound, Buffer, Context, Recorder, TexelBuffer, Uniforms};
 use crate::shader::generated::*;
 use crate::shader::interface;
 use crate::shader::structs::PartPush;
@@ -70,7 +70,10 @@ impl GradientsPass {
             vk::BufferUsageFlags::STORAGE_BUFFER,
         )?;
         if gradients.is_first_use() {
-            recorder.clear(&gradients.image);
+            match &gradients.store {
+                GradientStore::Image(image) => recorder.clear(image),
+                GradientStore::Pages(texels, _) => recorder.fill_zero(texels.buffer()),
+            }
         }
         recorder.use_image(&images.atlas, Access::SampledRead);
         recorder.use_image(&images.index, Access::SampledRead);
@@ -84,17 +87,17 @@ impl GradientsPass {
             use_packed_cells(recorder, images),
             (BINDING_CHUNKS, Bound::Storage(&list)),
         ];
-        // Of the two kinds of texels one stands in for the other, and nothing writes it.
-        let (ten_bits, halves) = match gradients.texels() {
-            GradientTexels::TenBits => (&gradients.image, &images.light),
-            GradientTexels::Halves | GradientTexels::Filtered => (&images.skip, &gradients.image),
-        };
-        for (binding, image) in [
+        // Of the three kinds of texels others stand in for two, and nothing writes them.
+        let filtered = gradients.image().unwrap_or(&images.light);
+        let [ten_bits, halves] = GradientVolume::texel_buffers(Some(gradients), &images.no_texels);
+        recorder.use_image(filtered, Access::Storage);
+        bound.push((BINDING_GRADIENTS_STORE, Bound::StorageImage(filtered)));
+        for (binding, texels) in [
             (BINDING_GRADIENTS_TEN_BITS, ten_bits),
             (BINDING_GRADIENTS_HALVES, halves),
         ] {
-            recorder.use_image(image, Access::Storage);
-            bound.push((binding, Bound::StorageImage(image)));
+            recorder.use_buffer(texels.buffer(), Access::Storage);
+            bound.push((binding, Bound::Texels(texels)));
         }
         recorder.bind(pipeline, &bound)?;
         for (at, part) in chunks.chunks(CHUNKS_A_DISPATCH).enumerate() {
@@ -104,11 +107,12 @@ impl GradientsPass {
             };
             recorder.dispatch(pipeline, &push, [push.count, GROUPS, 1]);
         }
-        let read = match gradients.texels() {
-            GradientTexels::Filtered => Access::SampledRead,
-            GradientTexels::TenBits | GradientTexels::Halves => Access::SampledGeneral,
-        };
-        recorder.use_image(&gradients.image, read);
+        match &gradients.store {
+            GradientStore::Image(image) => recorder.use_image(image, Access::SampledRead),
+            GradientStore::Pages(texels, _) => {
+                recorder.use_buffer(texels.buffer(), TexelBuffer::LOADED);
+            }
+        }
         recorder.flush();
         Ok(())
     }

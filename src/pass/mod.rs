@@ -14,9 +14,9 @@ pub(crate) mod shadow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::atlas::{GradientTexels, GradientVolume, Images, LabelImages};
+use crate::atlas::{GradientVolume, Images, LabelImages};
 use crate::error::Result;
-use crate::gpu::{Access, Bound, Context, Image, Pipeline, Recorder, Sampler};
+use crate::gpu::{Access, Bound, Context, Image, Pipeline, Recorder, Sampler, TexelBuffer};
 use crate::scene::{Gradient, Interpolation};
 use crate::shader::PassInterface;
 
@@ -153,15 +153,20 @@ fn use_transfer<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> [(u32, B
     use_texels(recorder, bindings, &images.transfer, &images.nearest)
 }
 
-/// The packed corners of voxel cells; without any an image of the same kind stands in, which nothing reads.
+/// A texel buffer that shaders load from.
+fn use_texel_buffer<'a>(recorder: &mut Recorder<'_>, texels: &'a TexelBuffer) -> Bound<'a> {
+    recorder.use_buffer(texels.buffer(), TexelBuffer::LOADED);
+    Bound::Texels(texels)
+}
+
+/// The packed corners of voxel cells; without any a texel of the same kind stands in, which nothing reads.
 fn use_packed_cells<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> (u32, Bound<'a>) {
     let cells = images
         .packed_cells
         .as_ref()
-        .map_or(&images.no_cells, |c| &c.image);
-    recorder.use_image(cells, Access::SampledGeneral);
+        .map_or(&images.no_texels.cells, |c| &c.texels);
     let binding = crate::shader::generated::BINDING_PACKED_CELLS;
-    (binding, Bound::StorageImage(cells))
+    (binding, use_texel_buffer(recorder, cells))
 }
 
 /// What every pass that samples and classifies the field reads: asks for the barriers and gives the bindings.
@@ -188,7 +193,7 @@ fn use_field<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> Vec<(u32, B
     bound
 }
 
-/// The volume of gradients, for each kind of its texels; where it is of another kind, or there is none, images of the same kind stand
+/// The volume of gradients, for each kind of its texels; where it is of another kind, or there is none, others of the same kind stand
 /// in, which nothing reads.
 fn use_gradients<'a>(
     recorder: &mut Recorder<'_>,
@@ -199,17 +204,18 @@ fn use_gradients<'a>(
     use crate::shader::generated::{
         BINDING_GRADIENTS, BINDING_GRADIENTS_HALVES, BINDING_GRADIENTS_TEN_BITS,
     };
-    let of = |texels| gradients.filter(|g| g.texels() == texels).map(|g| &g.image);
-    let filtered = of(GradientTexels::Filtered).unwrap_or(unused.0);
-    let ten_bits = of(GradientTexels::TenBits).unwrap_or(&images.skip);
-    let halves = of(GradientTexels::Halves).unwrap_or(&images.light);
+    let filtered = gradients
+        .and_then(GradientVolume::image)
+        .unwrap_or(unused.0);
+    let [ten_bits, halves] = GradientVolume::texel_buffers(gradients, &images.no_texels);
     recorder.use_image(filtered, Access::SampledRead);
-    recorder.use_image(ten_bits, Access::SampledGeneral);
-    recorder.use_image(halves, Access::SampledGeneral);
     [
         (BINDING_GRADIENTS, sampled(filtered, unused.1)),
-        (BINDING_GRADIENTS_TEN_BITS, Bound::StorageImage(ten_bits)),
-        (BINDING_GRADIENTS_HALVES, Bound::StorageImage(halves)),
+        (
+            BINDING_GRADIENTS_TEN_BITS,
+            use_texel_buffer(recorder, ten_bits),
+        ),
+        (BINDING_GRADIENTS_HALVES, use_texel_buffer(recorder, halves)),
     ]
 }
 

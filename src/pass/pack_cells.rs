@@ -2,9 +2,9 @@
 //!
 //! Reads   atlas (SampledRead)
 //! Writes  the packed corners (Storage)
-//! Grid    one workgroup for 8x8 texels of a slice
+//! Grid    two workgroups for a page of texels
 //! Method  copies: each voxel into the texels of the cells that it is a corner of
-//! Limits  a dispatch takes at most `TEXELS_A_DISPATCH` texels, or one slice
+//! Limits  a dispatch takes at most `PAGES_A_DISPATCH` pages
 //! Twin    none: values are moved, and every picture that is compared with a reference reads them
 
 use std::sync::Arc;
@@ -12,13 +12,13 @@ use std::sync::Arc;
 use super::{Variants, sampled};
 use crate::atlas::{Images, PackedCells};
 use crate::error::Result;
-use crate::gpu::{Access, Bound, Context, Recorder};
+use crate::gpu::{Access, Bound, Context, Recorder, TexelBuffer};
 use crate::shader::generated::*;
 use crate::shader::interface;
-use crate::shader::structs::PartPush;
+use crate::shader::structs::PackPush;
 
 /// Bounds one dispatch.
-const TEXELS_A_DISPATCH: u64 = 1 << 22;
+const PAGES_A_DISPATCH: u32 = 1 << 14;
 
 /// The pass.
 #[derive(Default)]
@@ -40,23 +40,23 @@ impl PackCellsPass {
             .variants
             .get(context, &interface::PACK_CELLS, constants)?;
         recorder.use_image(&images.atlas, Access::SampledRead);
-        recorder.use_image(&cells.image, Access::Storage);
+        recorder.use_buffer(cells.texels.buffer(), Access::Storage);
         let bound = [
             (BINDING_ATLAS, sampled(&images.atlas, &images.nearest)),
-            (
-                BINDING_PACKED_CELLS_STORE,
-                Bound::StorageImage(&cells.image),
-            ),
+            (BINDING_PACKED_CELLS_STORE, Bound::Texels(&cells.texels)),
         ];
         recorder.bind(pipeline, &bound)?;
-        let [width, height, depth] = cells.image.extent();
-        let slices = (TEXELS_A_DISPATCH / (u64::from(width) * u64::from(height))).max(1) as u32;
-        for first in (0..depth).step_by(slices as usize) {
-            let count = (depth - first).min(slices);
-            let groups = [width.div_ceil(8), height.div_ceil(8), count];
-            recorder.dispatch(pipeline, &PartPush { first, count }, groups);
+        let pages = cells.pages().counts().iter().product();
+        for first in (0..pages).step_by(PAGES_A_DISPATCH as usize) {
+            let push = PackPush {
+                first,
+                unused: 0,
+                pages: cells.pages().strides(),
+            };
+            let count = (pages - first).min(PAGES_A_DISPATCH);
+            recorder.dispatch(pipeline, &push, [count, 2, 1]);
         }
-        recorder.use_image(&cells.image, Access::SampledGeneral);
+        recorder.use_buffer(cells.texels.buffer(), TexelBuffer::LOADED);
         recorder.flush();
         Ok(())
     }

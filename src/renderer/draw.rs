@@ -9,7 +9,7 @@ use super::scattered::ScatterInputs;
 use super::settings::Settings;
 use super::transport::{Transport, environment_kind, phase_kind};
 use super::{Frame, FrameReport, Paths, RayBasis, pass_name};
-use crate::atlas::{GradientVolume, UploadResources};
+use crate::atlas::{GradientVolume, PackedCells, Pages, UploadResources};
 use crate::error::{Error, Result};
 use crate::gpu::{Context, Recorder, Uniforms};
 use crate::pass::Reconstruction;
@@ -62,6 +62,11 @@ impl Loaded {
             row.as_vec4().to_array()
         };
         let (table_end, table_tail) = preintegration.map_or((0.0, 0.0), |p| p.ends());
+        let packed = self.images.packed_cells.as_ref().map(PackedCells::pages);
+        let gradients = self.gradients.as_ref().and_then(GradientVolume::pages);
+        let strides = |pages: Option<Pages>| pages.map_or([0; 2], Pages::strides);
+        let [packed_row, packed_layer] = strides(packed);
+        let [gradient_row, gradient_layer] = strides(gradients);
         let gradient_unit = self.gradients.as_ref().map_or(1.0, GradientVolume::unit);
         VolumeParams {
             field_ix: volume.size().map(|n| (n - 1) as f32),
@@ -81,6 +86,7 @@ impl Loaded {
             label_ix_from_ix_x: label_row(0),
             label_ix_from_ix_y: label_row(1),
             label_ix_from_ix_z: label_row(2),
+            pages: [packed_row, packed_layer, gradient_row, gradient_layer],
         }
     }
 

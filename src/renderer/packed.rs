@@ -60,8 +60,8 @@ impl Loaded {
             .images
             .packed_cells
             .as_ref()
-            .map_or(0, |c| c.image.bytes());
-        let gradients = self.gradients.as_ref().map_or(0, |g| g.image.bytes());
+            .map_or(0, |c| c.texels.buffer().bytes());
+        let gradients = self.gradients.as_ref().map_or(0, GradientVolume::bytes);
         (cells, gradients)
     }
 

@@ -13,8 +13,8 @@ pub struct Storage {
     /// are stored in what it leaves, or estimated at every sample where they do not fit. Default 1024.
     pub memory_budget_mib: f64,
     /// On drivers that filter textures on the processor, keep the corners of voxel cells side by side in a second copy of the
-    /// voxels, 1.8 bytes for one of 8 bits and, up to 64 MiB, 5.3 for one of 16, where the budget has room after the gradients:
-    /// samples take about two thirds of the time. Default true.
+    /// voxels, 1.8 bytes for one of 8 bits and 5.3 for one of 16, where the budget has room after the gradients: samples take about
+    /// two thirds of the time. Default true.
     pub packed_cells: bool,
 }
 

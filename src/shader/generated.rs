@@ -435,6 +435,8 @@ pub const BINDING_BEAM_LIST: u32 = 57;
 
 pub const BINDING_BEAM_RUNS: u32 = 58;
 
+pub const BINDING_GRADIENTS_STORE: u32 = 59;
+
 pub const SPEC_INTERPOLATION: u32 = 0;
 
 pub const SPEC_BLOCKS_APART: u32 = 1;

@@ -42,6 +42,8 @@ gpu_struct! {
         pub label_ix_from_ix_y: [f32; 4],
         /// See `label_ix_from_ix_x`.
         pub label_ix_from_ix_z: [f32; 4],
+        /// Pages in a row, and in a layer of rows: of packed corners, of gradients.
+        pub pages: [u32; 4],
     }
 }
 
@@ -184,6 +186,18 @@ gpu_struct! {
 }
 
 gpu_struct! {
+    /// Pages of packed corners, one workgroup for a half of each.
+    pub struct PackPush {
+        /// First page of this dispatch.
+        pub first: u32,
+        /// Alignment.
+        pub unused: u32,
+        /// Pages in a row, and in a layer of rows.
+        pub pages: [u32; 2],
+    }
+}
+
+gpu_struct! {
     /// Where a brick lies: the reverse index, atlas to volume.
     pub struct BrickRecord {
         /// First texel of the brick in the atlas.
@@ -311,6 +325,7 @@ pub const ALL: &[StructLayout] = &[
     MarchPush::LAYOUT,
     LightPush::LAYOUT,
     PartPush::LAYOUT,
+    PackPush::LAYOUT,
     BrickRecord::LAYOUT,
     BarePush::LAYOUT,
     MediumParams::LAYOUT,

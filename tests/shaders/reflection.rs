@@ -206,6 +206,7 @@ fn descriptor(module: &str, ty: &DescriptorType) -> (DescriptorKind, Access) {
         DescriptorType::SampledImage() => (DescriptorKind::SampledImage, Access::Read),
         DescriptorType::Sampler() => (DescriptorKind::Sampler, Access::Read),
         DescriptorType::StorageImage(a) => (DescriptorKind::StorageImage, access(*a)),
+        DescriptorType::StorageTexelBuffer(a) => (DescriptorKind::StorageTexelBuffer, access(*a)),
         other => panic!("{module}: descriptors of kind {other:?} are not declared by any pass"),
     }
 }

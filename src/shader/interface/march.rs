@@ -3,7 +3,7 @@
 use super::super::generated::{self, *};
 use super::{
     Access, Binding, PicturePasses, picture, sampled, storage_buffer, storage_image, storage_read,
-    uniform,
+    texel_buffer, uniform,
 };
 
 /// Specialization constants of both programs of the march, and the one that picks a classification where there are several.
@@ -56,12 +56,12 @@ macro_rules! march_bindings {
             sampled(BINDING_LABEL_TABLE),
             sampled(BINDING_COLOR),
             sampled(BINDING_GRADIENTS),
-            storage_image(BINDING_GRADIENTS_TEN_BITS, Access::Read),
-            storage_image(BINDING_PACKED_CELLS, Access::Read),
+            texel_buffer(BINDING_GRADIENTS_TEN_BITS, Access::Read),
+            texel_buffer(BINDING_PACKED_CELLS, Access::Read),
             storage_image(BINDING_SKIP_LOADS, Access::Read),
             storage_image(BINDING_TRANSFER_LOADS, Access::Read),
             $(storage_image($loads, Access::Read),)*
-            storage_image(BINDING_GRADIENTS_HALVES, Access::Read),
+            texel_buffer(BINDING_GRADIENTS_HALVES, Access::Read),
             storage_read(BINDING_BEAM_TILES),
             storage_read(BINDING_BEAM_LIST),
             storage_read(BINDING_BEAM_RUNS),

@@ -13,7 +13,7 @@ pub use scatter::{
 pub use transport::{PATHTRACE, SHADOW_SWEEP, TRANSPORT};
 
 use super::generated::{self, *};
-use super::structs::{BarePush, LightPush, MarchPush, PartPush};
+use super::structs::{BarePush, LightPush, MarchPush, PackPush, PartPush};
 use super::{GpuStruct, Module, StructLayout};
 
 /// The interface of one compute pass.
@@ -59,6 +59,8 @@ pub enum DescriptorKind {
     Sampler,
     /// `image3D` and its like.
     StorageImage,
+    /// `imageBuffer` and its like.
+    StorageTexelBuffer,
 }
 
 /// What a shader does with a descriptor: `readonly`, `writeonly` or neither in GLSL.
@@ -99,6 +101,10 @@ const fn storage_buffer(number: u32) -> Binding {
 
 const fn storage_image(number: u32, access: Access) -> Binding {
     binding(number, DescriptorKind::StorageImage, access)
+}
+
+const fn texel_buffer(number: u32, access: Access) -> Binding {
+    binding(number, DescriptorKind::StorageTexelBuffer, access)
 }
 
 /// The programs of one kind of picture, by what they do with the target.
@@ -173,7 +179,7 @@ const fn extremum_bindings(target: Access) -> [Binding; 13] {
         sampled(BINDING_RANGE),
         sampled(BINDING_LABELS),
         sampled(BINDING_LABEL_TABLE),
-        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         storage_image(BINDING_TRANSFER_LOADS, Access::Read),
     ]
 }
@@ -228,10 +234,10 @@ const fn isosurface_bindings(target: Access) -> [Binding; 17] {
         sampled(BINDING_LABELS),
         sampled(BINDING_LABEL_TABLE),
         sampled(BINDING_GRADIENTS),
-        storage_image(BINDING_GRADIENTS_TEN_BITS, Access::Read),
-        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        texel_buffer(BINDING_GRADIENTS_TEN_BITS, Access::Read),
+        texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         storage_image(BINDING_SKIP_LOADS, Access::Read),
-        storage_image(BINDING_GRADIENTS_HALVES, Access::Read),
+        texel_buffer(BINDING_GRADIENTS_HALVES, Access::Read),
     ]
 }
 
@@ -257,10 +263,11 @@ pub const GRADIENTS: PassInterface = PassInterface {
         uniform(BINDING_VOLUME),
         sampled(BINDING_ATLAS),
         sampled(BINDING_INDEX),
-        storage_image(BINDING_GRADIENTS_TEN_BITS, Access::Write),
+        texel_buffer(BINDING_GRADIENTS_TEN_BITS, Access::Write),
         storage_read(BINDING_CHUNKS),
-        storage_image(BINDING_PACKED_CELLS, Access::Read),
-        storage_image(BINDING_GRADIENTS_HALVES, Access::Write),
+        texel_buffer(BINDING_PACKED_CELLS, Access::Read),
+        texel_buffer(BINDING_GRADIENTS_HALVES, Access::Write),
+        storage_image(BINDING_GRADIENTS_STORE, Access::Write),
     ],
     push_constants: Some(PartPush::LAYOUT),
     spec_ids: &[
@@ -280,11 +287,11 @@ pub const PACK_CELLS: PassInterface = PassInterface {
     module: &generated::PACK_CELLS,
     bindings: &[
         sampled(BINDING_ATLAS),
-        storage_image(BINDING_PACKED_CELLS_STORE, Access::Write),
+        texel_buffer(BINDING_PACKED_CELLS_STORE, Access::Write),
     ],
-    push_constants: Some(PartPush::LAYOUT),
+    push_constants: Some(PackPush::LAYOUT),
     spec_ids: &[SPEC_PACKED_CELLS],
-    local_size: [8, 8, 1],
+    local_size: [128, 1, 1],
 };
 
 /// The table of pre-integrated classification.
@@ -314,7 +321,7 @@ pub const LIGHT_TRACE: PassInterface = PassInterface {
         storage_image(BINDING_LIGHT_STORE, Access::ReadWrite),
         sampled(BINDING_LABELS),
         sampled(BINDING_LABEL_TABLE),
-        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         storage_image(BINDING_SKIP_LOADS, Access::Read),
         storage_image(BINDING_TRANSFER_LOADS, Access::Read),
     ],
@@ -361,7 +368,7 @@ pub const BARE: PassInterface = PassInterface {
         sampled(BINDING_TRANSFER),
         storage_image(BINDING_TARGET, Access::Write),
         sampled(BINDING_VOXELS),
-        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         storage_image(BINDING_TRANSFER_LOADS, Access::Read),
     ],
     push_constants: Some(BarePush::LAYOUT),
@@ -385,7 +392,7 @@ pub const BARE_LIGHT: PassInterface = PassInterface {
         storage_read(BINDING_WORK),
         storage_image(BINDING_LIGHT_STORE, Access::Write),
         sampled(BINDING_VOXELS),
-        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         storage_image(BINDING_TRANSFER_LOADS, Access::Read),
     ],
     push_constants: Some(LightPush::LAYOUT),

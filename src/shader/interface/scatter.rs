@@ -1,6 +1,6 @@
 //! Passes on the grid of scattered light.
 
-use super::{Access, PassInterface, sampled, storage_buffer, storage_image, uniform};
+use super::{Access, PassInterface, sampled, storage_buffer, storage_image, texel_buffer, uniform};
 use crate::shader::GpuStruct as _;
 use crate::shader::generated::{self, *};
 use crate::shader::structs::ScatterPush;
@@ -34,7 +34,7 @@ pub const GRID_MEDIUM: PassInterface = PassInterface {
         uniform(BINDING_MEDIUM),
         storage_image(BINDING_GRID_MEDIUM_STORE, Access::Write),
         storage_image(BINDING_GRID_EMISSION_STORE, Access::Write),
-        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         storage_image(BINDING_TRANSFER_LOADS, Access::Read),
     ],
     push_constants: None,

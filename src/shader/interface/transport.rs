@@ -1,7 +1,8 @@
 //! Passes of the optical models: marched, traced, swept.
 
 use super::{
-    Access, Binding, PassInterface, PicturePasses, picture, sampled, storage_image, uniform,
+    Access, Binding, PassInterface, PicturePasses, picture, sampled, storage_image, texel_buffer,
+    uniform,
 };
 use crate::shader::GpuStruct as _;
 use crate::shader::generated::{self, *};
@@ -55,11 +56,11 @@ const fn transport_bindings(target: Access) -> [Binding; 23] {
         sampled(BINDING_PHASE),
         storage_image(BINDING_THROUGH, Access::Write),
         sampled(BINDING_GRADIENTS),
-        storage_image(BINDING_GRADIENTS_TEN_BITS, Access::Read),
-        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        texel_buffer(BINDING_GRADIENTS_TEN_BITS, Access::Read),
+        texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         storage_image(BINDING_SKIP_LOADS, Access::Read),
         storage_image(BINDING_TRANSFER_LOADS, Access::Read),
-        storage_image(BINDING_GRADIENTS_HALVES, Access::Read),
+        texel_buffer(BINDING_GRADIENTS_HALVES, Access::Read),
     ]
 }
 
@@ -120,7 +121,7 @@ const fn pathtrace_bindings(target: Access) -> [Binding; 21] {
         storage_image(BINDING_PATHS_SUM, Access::ReadWrite),
         storage_image(BINDING_PATHS_SQUARE, Access::ReadWrite),
         storage_image(BINDING_PATHS_THROUGH, Access::ReadWrite),
-        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         storage_image(BINDING_SKIP_LOADS, Access::Read),
         storage_image(BINDING_TRANSFER_LOADS, Access::Read),
     ]
@@ -154,7 +155,7 @@ pub const SHADOW_SWEEP: PassInterface = PassInterface {
         sampled(BINDING_LABEL_TABLE),
         uniform(BINDING_MEDIUM),
         storage_image(BINDING_SHADOW_STORE, Access::ReadWrite),
-        storage_image(BINDING_PACKED_CELLS, Access::Read),
+        texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         storage_image(BINDING_SKIP_LOADS, Access::Read),
         storage_image(BINDING_TRANSFER_LOADS, Access::Read),
     ],

@@ -2,6 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_image_load_formatted : require
+#ifdef VOTES
+#extension GL_KHR_shader_subgroup_vote : require
+#endif
 // Front-to-back march of the bricked volume into a target image. One invocation a pixel. MARCH_ENDS: pre-integrated.
 
 #include "bindings.glsl"
@@ -34,15 +37,16 @@ layout(local_size_x = 8, local_size_y = 8) in;
 // Samples that show something are searched for in a loop of its own, so that only they are shaded or looked up among the labels:
 // CPU drivers execute both sides of a branch. They also go on computing what a ray has found while others search, so that an
 // iteration that ends the search must leave alone what it was computed from.
-bool is_searched() {
-    bool searched = LABELS;
-    if (LIGHT) {
-        searched = true;
-    }
-    if (DIFFUSE) {
-        searched = true;
-    }
-    return searched;
+layout(constant_id = SPEC_SEARCHED) const bool SEARCHED = false;
+
+// Whether a ray goes on searching. VOTES: the rays of a subgroup search together and stop where any of them finds something; alone
+// they fall out of step, and all of them wait for the one that searches longest.
+bool searches_on(bool found) {
+    bool on = !found;
+#ifdef VOTES
+    on = !subgroupAny(found);
+#endif
+    return SEARCHED && on;
 }
 
 // Adds what a segment shows. `b`: the brick at its middle.

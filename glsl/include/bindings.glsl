@@ -97,3 +97,4 @@
 #define SPEC_LOADS 33
 #define SPEC_BEAMS 34
 #define SPEC_CLEARED 35
+#define SPEC_SEARCHED 36

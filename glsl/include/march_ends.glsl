@@ -46,7 +46,7 @@ void march_whole(inout Accumulated acc, Ray ray, uint bits_at, uint whole, uint 
                     do {
                         back = node_at(node_position(ray, i + 1u, count, shift), front.brick);
                         c = classify_between(ray, front, back, i, count, shift);
-                        more = is_searched() && c.opacity == 0.0 && i + 1u < run.end;
+                        more = searches_on(c.opacity != 0.0) && i + 1u < run.end;
                         acc.samples += uint(more);
                         i += uint(more);
                         if (more) {

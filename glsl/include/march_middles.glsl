@@ -45,7 +45,7 @@ void march_whole(inout Accumulated acc, Ray ray, uint bits_at, uint whole, uint 
                     do {
                         segment = inner_segment(i, shift);
                         c = classify_middle(ray, b, segment, JITTER);
-                        more = is_searched() && c.opacity == 0.0 && i + 1u < run_end;
+                        more = searches_on(c.opacity != 0.0) && i + 1u < run_end;
                         acc.samples += uint(more);
                         i += uint(more);
                     } while (more);

@@ -96,6 +96,8 @@ pub struct Capabilities {
     /// The device is a processor, which executes what a branch leaves out, and all rays of a subgroup as far as the longest: it gains
     /// from beams (`glsl/beams.comp`).
     pub(crate) casts_beams: bool,
+    /// Subgroups vote in compute shaders.
+    pub(crate) votes: bool,
     pub(crate) features: vk::PhysicalDeviceFeatures,
 }
 
@@ -130,7 +132,10 @@ impl Capabilities {
         queue_family: u32,
     ) -> Self {
         let mut driver = vk::PhysicalDeviceDriverProperties::default();
-        let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
+        let mut subgroups = vk::PhysicalDeviceSubgroupProperties::default();
+        let mut properties = vk::PhysicalDeviceProperties2::default()
+            .push_next(&mut driver)
+            .push_next(&mut subgroups);
         // SAFETY: by this function's contract.
         let (families, features) = unsafe {
             instance.get_physical_device_properties2(physical, &mut properties);
@@ -179,6 +184,12 @@ impl Capabilities {
             max_storage_images: properties.limits.max_per_stage_descriptor_storage_images,
             max_texel_buffer_texels: properties.limits.max_texel_buffer_elements,
             loads_texels: properties.device_type == vk::PhysicalDeviceType::CPU,
+            votes: subgroups
+                .supported_stages
+                .contains(vk::ShaderStageFlags::COMPUTE)
+                && subgroups
+                    .supported_operations
+                    .contains(vk::SubgroupFeatureFlags::VOTE),
             casts_beams: properties.device_type == vk::PhysicalDeviceType::CPU,
             dispatch_runs: if llvmpipe { llvmpipe_threads() } else { 1 },
             cache_uuid: properties.pipeline_cache_uuid,

@@ -120,6 +120,10 @@ pub(crate) struct PictureVariant {
     pub(crate) beams: bool,
     /// The target holds the background already.
     pub(crate) cleared: bool,
+    /// Rays search for samples that show something before they do what those alone need.
+    pub(crate) searched: bool,
+    /// Subgroups do so together, where there is a module for the target.
+    pub(crate) votes: bool,
     pub(crate) jitter: bool,
     pub(crate) aux: bool,
     pub(crate) scene_depth: bool,
@@ -140,10 +144,15 @@ impl PictureVariant {
     }
 
     fn interface(self) -> &'static PassInterface {
+        let votes = self.searched && self.votes && self.blend.is_none();
         let passes: &PicturePasses = match self.projection {
             _ if self.transport.is_some_and(|t| t.paths.is_some()) => &interface::PATHTRACE,
             _ if self.transport.is_some() => &interface::TRANSPORT,
             RayProjection::Composite | RayProjection::Xray => match self.classification {
+                Classification::Preintegrated if votes => return &interface::MARCH_ENDS_VOTES,
+                Classification::Post | Classification::Pre if votes => {
+                    return &interface::MARCH_VOTES;
+                }
                 Classification::Preintegrated => &interface::MARCH_ENDS,
                 Classification::Post | Classification::Pre => &interface::MARCH,
             },
@@ -188,6 +197,7 @@ impl PictureVariant {
             (SPEC_DATA_COLOR, self.data_color.into()),
             (SPEC_BEAMS, self.beams.into()),
             (SPEC_CLEARED, self.cleared.into()),
+            (SPEC_SEARCHED, self.searched.into()),
             (SPEC_JITTER, self.jitter.into()),
             (SPEC_AUX, self.aux.into()),
             (SPEC_SCENE_DEPTH, self.scene_depth.into()),

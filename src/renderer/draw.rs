@@ -24,6 +24,9 @@ use crate::shader::structs::{FrameParams, SurfaceParams, VolumeParams};
 /// Samples that one dispatch of the march takes at most: a quarter of a second at 0.5 billion a second.
 const SAMPLES_A_DISPATCH: f64 = 1.3e8;
 
+/// Share of voxels that show something, where anything does, from which on all samples are shaded.
+const SHOWN_FOR_ALL: f64 = 0.5;
+
 /// Edge of the tiles that paths are traced in: nobody knows how long they become.
 const PATHS_TILE: u32 = 128;
 
@@ -254,18 +257,25 @@ impl Loaded {
         let Settings {
             march, lighting, ..
         } = &self.settings;
+        let diffuse = lighting.shading == Shading::Diffuse;
+        let capabilities = context.capabilities();
+        let searched = self.light.is_some()
+            || self.labels.is_some()
+            || diffuse && self.searches_for_shading(context);
         let variant = PictureVariant {
             reconstruction: self.reconstruction(lighting.emission),
             projection: march.projection,
             classification: march.classification(),
             light: self.light.is_some(),
-            diffuse: lighting.shading == Shading::Diffuse,
+            diffuse,
             gradient: lighting.gradient,
             stored_gradients: self.read_gradients().map(GradientVolume::texels),
             transport: self.transport.as_ref().map(Transport::variant),
             data_color: self.images.color.is_some(),
             beams: beams.is_some(),
             cleared: cleared.is_some(),
+            searched,
+            votes: capabilities.votes && capabilities.loads_texels,
             jitter: march.jitter,
             aux: frame.aux.is_some(),
             scene_depth: frame.depth.is_some(),
@@ -313,6 +323,16 @@ impl Loaded {
         });
         self.beams = beams;
         recorded
+    }
+
+    /// Whether what is only shaded is searched for: processors shade all samples by stored gradients faster where most of them show
+    /// something.
+    fn searches_for_shading(&self, context: &Context) -> bool {
+        if !context.capabilities().loads_texels || self.read_gradients().is_none() {
+            return true;
+        }
+        let share = *self.share_shown.get_or_init(|| self.share_shown());
+        share < SHOWN_FOR_ALL
     }
 
     /// Refuses pictures of which some device would leave a part out without a word.

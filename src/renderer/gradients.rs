@@ -2,13 +2,18 @@
 
 use std::sync::Arc;
 
-use super::loaded::{Loaded, NAME, other_texel_bytes, shading_reach};
+use super::loaded::{Loaded, NAME, other_texel_bytes, shading_reach, shown};
 use super::pass_name;
 use super::settings::Settings;
 use crate::atlas::{GradientVolume, Residency, Store, Uploads};
 use crate::error::Result;
 use crate::gpu::{Context, Recorder, Uniforms};
 use crate::pass::gradients::GradientsResources;
+use crate::volume::cells::SKIP_CELLS;
+use crate::volume::select::Classify;
+
+/// Skip cells of which voxels are looked at, at most about.
+const CELLS_LOOKED_AT: usize = 1024;
 
 /// The volume of gradients, where samples need gradients and it can be had.
 pub(super) fn gradients(
@@ -37,6 +42,28 @@ impl Loaded {
     /// The gradients that samples read, if they do.
     pub(super) fn read_gradients(&self) -> Option<&GradientVolume> {
         read(self.gradients.as_ref(), &self.uploads)
+    }
+
+    /// The share of voxels that show something, of those in skip cells where anything does, estimated from some of them.
+    pub(super) fn share_shown(&self) -> f64 {
+        let volume = &self.store.volume;
+        let shown = shown(&self.table, &self.settings);
+        let [width, height, _] = self.residency.cells.counts().map(|n| n as usize);
+        let step = self.visibility.visible_cells().count() / CELLS_LOOKED_AT + 1;
+        let (mut found, mut all) = (0u32, 0u32);
+        for cell in self.visibility.visible_cells().step_by(step) {
+            let at = [cell % width, cell / width % height, cell / (width * height)];
+            for corner in 0..8 {
+                let [x, y, z] = [0, 1, 2].map(|axis| {
+                    let within = 1 + 2 * (corner >> axis & 1);
+                    (SKIP_CELLS * at[axis] as u32 + within).min(volume.size()[axis] - 1)
+                });
+                let value = volume.value(x, y, z);
+                found += u32::from(shown.visible([value, value]));
+                all += 1;
+            }
+        }
+        f64::from(found) / f64::from(all.max(1))
     }
 
     /// Estimates the gradients that are seen for the first time.

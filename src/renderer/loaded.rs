@@ -1,6 +1,6 @@
 //! The state behind a renderer: data, images, passes, and what changes them.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::RayBasis;
 use super::gradients::gradients;
@@ -58,6 +58,8 @@ pub(crate) struct Loaded {
     pub(super) bare_pass: BarePass,
     pub(super) bare_light_pass: BareLightPass,
     pub(super) tile: Option<u32>,
+    /// [`Loaded::share_shown`], once it was asked for.
+    pub(super) share_shown: OnceLock<f64>,
 }
 
 impl Loaded {
@@ -111,6 +113,7 @@ impl Loaded {
             bare_pass: BarePass::default(),
             bare_light_pass: BareLightPass::default(),
             tile: None,
+            share_shown: OnceLock::new(),
         })
     }
 
@@ -250,6 +253,7 @@ impl Loaded {
             self.images.packed_cells = cells;
         }
         self.uploads.reclassify();
+        self.share_shown = OnceLock::new();
         if let Some(residency) = residency {
             self.residency = residency;
         }
@@ -387,7 +391,7 @@ fn transfer_table(store: &Store, settings: &Settings) -> TransferTable {
     )
 }
 
-fn shown<'a>(table: &'a TransferTable, settings: &'a Settings) -> Shown<'a> {
+pub(super) fn shown<'a>(table: &'a TransferTable, settings: &'a Settings) -> Shown<'a> {
     let lit = settings.ambient_occlusion.is_some();
     Shown::new(table, &settings.march, &settings.surfaces, lit)
 }

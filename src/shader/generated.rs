@@ -178,6 +178,18 @@ pub static MARCH_ENDS_BLEND_RGBA8: Module = Module {
     words: include_spirv!("march_ends_blend_rgba8.spv"),
 };
 
+/// `spirv/march_ends_votes.spv`.
+pub static MARCH_ENDS_VOTES: Module = Module {
+    name: "march_ends_votes",
+    words: include_spirv!("march_ends_votes.spv"),
+};
+
+/// `spirv/march_votes.spv`.
+pub static MARCH_VOTES: Module = Module {
+    name: "march_votes",
+    words: include_spirv!("march_votes.spv"),
+};
+
 /// `spirv/ordinates_gather.spv`.
 pub static ORDINATES_GATHER: Module = Module {
     name: "ordinates_gather",
@@ -300,6 +312,8 @@ pub static MODULES: &[&Module] = &[
     &MARCH_ENDS_BLEND_RGBA16F,
     &MARCH_ENDS_BLEND_RGBA32F,
     &MARCH_ENDS_BLEND_RGBA8,
+    &MARCH_ENDS_VOTES,
+    &MARCH_VOTES,
     &ORDINATES_GATHER,
     &ORDINATES_SOURCE,
     &ORDINATES_SWEEP,
@@ -508,3 +522,5 @@ pub const SPEC_LOADS: u32 = 33;
 pub const SPEC_BEAMS: u32 = 34;
 
 pub const SPEC_CLEARED: u32 = 35;
+
+pub const SPEC_SEARCHED: u32 = 36;

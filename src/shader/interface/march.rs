@@ -2,8 +2,8 @@
 
 use super::super::generated::{self, *};
 use super::{
-    Access, Binding, PicturePasses, picture, sampled, storage_buffer, storage_image, storage_read,
-    texel_buffer, uniform,
+    Access, Binding, PassInterface, PicturePasses, picture, sampled, storage_buffer, storage_image,
+    storage_read, texel_buffer, uniform,
 };
 
 /// Specialization constants of both programs of the march, and the one that picks a classification where there are several.
@@ -33,6 +33,7 @@ macro_rules! march_spec_ids {
             SPEC_RUNS,
             SPEC_LOADS,
             SPEC_BEAMS,
+            SPEC_SEARCHED,
         ]
     };
 }
@@ -108,6 +109,18 @@ pub const MARCH_ENDS: PicturePasses = picture(
     ],
     march_spec_ids!(),
 );
+
+/// [`MARCH`] into a target of any format, by rays of a subgroup that search together for what shows something.
+pub const MARCH_VOTES: PassInterface = PassInterface {
+    module: &generated::MARCH_VOTES,
+    ..MARCH.any
+};
+
+/// [`MARCH_ENDS`] likewise.
+pub const MARCH_ENDS_VOTES: PassInterface = PassInterface {
+    module: &generated::MARCH_ENDS_VOTES,
+    ..MARCH_ENDS.any
+};
 
 const BEAMS_SPEC_IDS: &[u32] = &[
     SPEC_SKIPPING,

@@ -5,7 +5,7 @@ mod march;
 mod scatter;
 mod transport;
 
-pub use march::{BEAMS, MARCH, MARCH_ENDS};
+pub use march::{BEAMS, MARCH, MARCH_ENDS, MARCH_ENDS_VOTES, MARCH_VOTES};
 pub use scatter::{
     DIFFUSE_GATHER, DIFFUSION_RELAX, DIFFUSION_SOURCE, GRID_MEDIUM, ORDINATES_GATHER,
     ORDINATES_SOURCE, ORDINATES_SWEEP, ZONAL,
@@ -410,6 +410,8 @@ pub const BARE_LIGHT: PassInterface = PassInterface {
 /// Every pass. A module in `spirv/` that is missing here fails `tests/shaders.rs`.
 pub const PASSES: &[PassInterface] = &[
     MARCH.any,
+    MARCH_VOTES,
+    MARCH_ENDS_VOTES,
     MARCH.blend_rgba8,
     MARCH.blend_rgba16f,
     MARCH.blend_rgba32f,

@@ -37,7 +37,7 @@ void main() {
     vec4 sum = vec4(0.0);
     for (uint i = 0u; i < count; ++i) {
         vec3 there = at + float(i) * ahead;
-        float value = PACKED_CELLS == 0u ? textureLod(t_voxels, there, 0.0).r : packed_linear(there);
+        float value = PACKED_CELLS == 0u ? textureLod(t_voxels, there, 0.0).r : packed_linear(clamp(there, vec3(0.0), volume.field_ix));
         Classified c = classify(value, 1.0);
         sum += vec4(c.color, c.opacity);
     }

@@ -25,8 +25,8 @@ layout(set = 0, binding = BINDING_BEAM_TILES) buffer BeamTiles { uvec4 beam_tile
 layout(set = 0, binding = BINDING_BEAM_LIST) buffer BeamList { uint beam_list[]; };
 layout(set = 0, binding = BINDING_BEAM_RUNS) buffer BeamRuns { uint beam_runs[]; };
 
-// The target was cleared to its background. Drivers that store pixel by pixel and channel by channel take half of this pass for what
-// shows nothing.
+// Target and depths were cleared to what shows nothing. Drivers that store pixel by pixel and channel by channel take half of this
+// pass for that.
 layout(constant_id = SPEC_CLEARED) const bool CLEARED = false;
 
 // Whether pixels that show nothing are stored at all.
@@ -38,10 +38,10 @@ bool stores_unseen() {
 #ifdef BLEND_FORMAT
     // What is blended over stays, but for what decoding and encoding round.
     stores = ENCODE_SRGB;
-#endif
     if (AUX) {
         stores = true;
     }
+#endif
     return stores;
 }
 
@@ -124,7 +124,8 @@ void main() {
     uint all = 0u;
     uint word = 0u;
     uint end = 0u;
-    // Not a loop over frame.beam_words: lavapipe compiles those anew for every value of a uniform, at every dispatch.
+    // Not a loop over frame.beam_words, which bounds the segments (beam_through): lavapipe compiles those anew for every value of a
+    // uniform, at every dispatch.
     do {
         end += 32u << frame.beam_shift;
         uint bits = bits_of(beam, i, min(end, beam.segments));

@@ -19,7 +19,8 @@ struct Beam {
 
 Beam beam_through(uvec2 first_px) {
     // Rays are looked at where they enter the field, and this many steps on.
-    float steps = float((32u * frame.beam_words) << frame.beam_shift);
+    uint most = (32u * frame.beam_words) << frame.beam_shift;
+    float steps = float(most);
     vec3 low = vec3(FAR_STEPS);
     vec3 high = vec3(-FAR_STEPS);
     vec3 low_on = low;
@@ -60,7 +61,7 @@ Beam beam_through(uvec2 first_px) {
     beam.octants = mix(
         uvec3(0x0f0f0f0fu, 0x00ff00ffu, 0x0000ffffu), uvec3(0xf0f0f0f0u, 0xff00ff00u, 0xffff0000u), descends
     );
-    beam.segments = segments;
+    beam.segments = min(segments, most);
     beam.shortest = shortest;
     return beam;
 }

@@ -1,5 +1,6 @@
 // Where texels of gradients lie that the shader interpolates: in pages of 8 x 8 x 16 of ten bits a component, or 8 x 8 x 8 of halves, z
-// fastest, then x (src/atlas/pages.rs). Includes params.glsl first.
+// fastest, then x (src/atlas/pages.rs). STORED_GRADIENTS is
+// declared, and params.glsl included, first.
 
 // The part of the place of texel (x, y, z) that comes from each; their sum is its place.
 ivec3 gradient_place(ivec3 at) {

@@ -12,7 +12,7 @@ use super::pages::Pages;
 use super::residency::{Residency, Store};
 use super::visibility::Visibility;
 use crate::error::Result;
-use crate::gpu::{Buffer, Context, Image, ImageInfo, TexelBuffer};
+use crate::gpu::{Context, Image, ImageInfo, TexelBuffer};
 use crate::scene::Gradient;
 use crate::volume::VoxelType;
 use crate::volume::cells::SKIP_CELLS;
@@ -150,8 +150,13 @@ impl GradientVolume {
             return Ok(None);
         };
         let voxel_bytes = store.volume.voxels().voxel_type().bytes() as u64;
-        let texel_bytes = voxel_bytes + u64::from(other_texel_bytes + coding.texel_bytes);
-        if residency.layout.texels().saturating_mul(texel_bytes) > budget_bytes {
+        let texels = residency.layout.texels();
+        let beside = texels.saturating_mul(voxel_bytes + u64::from(other_texel_bytes));
+        let bytes = coding.pages(extent).map_or_else(
+            || texels.saturating_mul(coding.texel_bytes.into()),
+            Pages::bytes,
+        );
+        if beside.saturating_add(bytes) > budget_bytes {
             return Ok(None);
         }
         let name = format!("{name}.gradients");
@@ -187,10 +192,6 @@ impl GradientVolume {
 
     pub(crate) fn estimator(&self) -> Gradient {
         self.estimator
-    }
-
-    pub(crate) fn texel_bytes(&self) -> u32 {
-        self.coding.texel_bytes
     }
 
     /// Texture samples per index unit that a texel counts.
@@ -252,7 +253,7 @@ impl GradientVolume {
     pub(crate) fn forget(&mut self) {
         match &self.store {
             GradientStore::Image(image) => image.forget(),
-            GradientStore::Pages(texels, _) => Buffer::forget(texels.buffer()),
+            GradientStore::Pages(texels, _) => texels.buffer().forget(),
         }
         self.done.fill(false);
         self.cleared = false;

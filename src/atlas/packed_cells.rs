@@ -30,12 +30,13 @@ pub(crate) struct Packing {
 
 impl Packing {
     /// `None` where the device filters faster itself, samples have more than two bytes, or the budget, which the texels of the atlas
-    /// and what belongs to each share, has no room.
+    /// and what belongs to each share with `other_bytes`, has no room.
     pub(crate) fn of(
         context: &Context,
         store: &Store,
         residency: &Residency,
         other_texel_bytes: u32,
+        other_bytes: u64,
         budget_bytes: u64,
     ) -> Option<Self> {
         let [width, height, depth] = residency.layout.extent();
@@ -44,7 +45,7 @@ impl Packing {
             VoxelType::U16 | VoxelType::I16 => 2,
             VoxelType::F32 => return None,
         };
-        if !context.capabilities().loads_texels || width.max(height) > MAX_INDEX {
+        if !context.capabilities().loads_texels || width.max(height) > MAX_INDEX + 1 {
             return None;
         }
         // The shapes of pages are the shader's (packed_pages.glsl).
@@ -57,7 +58,8 @@ impl Packing {
         let extent = [width.div_ceil(CELLS_A_ROW), rows, depth + 1];
         let pages = Pages::of(extent, page, TEXEL_BYTES);
         let texel_bytes = u64::from(sample_bytes + other_texel_bytes);
-        let beside = residency.layout.texels().saturating_mul(texel_bytes);
+        let texels = residency.layout.texels().saturating_mul(texel_bytes);
+        let beside = texels.saturating_add(other_bytes);
         let bytes = pages.bytes();
         let fits = bytes.saturating_add(beside) <= budget_bytes
             && bytes <= TexelBuffer::max_bytes(context, TEXEL_BYTES);

@@ -15,9 +15,9 @@ pub(crate) enum Access {
     TransferWrite,
     /// Sampled or fetched in a compute shader; the image is in `SHADER_READ_ONLY_OPTIMAL`.
     SampledRead,
-    /// Sampled, fetched, or loaded as a storage image, in a compute shader while the image stays in `GENERAL`.
+    /// Sampled, fetched, or loaded as a storage image, in a compute shader while the image stays in `GENERAL`; loaded from a texel buffer.
     SampledGeneral,
-    /// Read and written as a storage buffer or image (`GENERAL`).
+    /// Read and written as a storage buffer, texel buffer or image (`GENERAL`).
     Storage,
     /// Group counts of an indirect dispatch, and read by the shader that is dispatched.
     Indirect,

@@ -210,7 +210,7 @@ impl Capabilities {
         let images = self.max_storage_images;
         (images < STORAGE_IMAGES).then(|| {
             (
-                format!("{STORAGE_IMAGES} storage images a shader"),
+                format!("{STORAGE_IMAGES} storage images and texel buffers a shader"),
                 format!("at most {images}"),
             )
         })

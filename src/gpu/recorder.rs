@@ -290,6 +290,11 @@ impl<'a> Recorder<'a> {
 
     /// Sets every bit of a colour image to 0.
     pub(crate) fn clear(&mut self, image: &Image) {
+        self.clear_to(image, [0.0; 4]);
+    }
+
+    /// Sets every texel of an image of floats.
+    pub(crate) fn clear_to(&mut self, image: &Image, texel: [f32; 4]) {
         self.use_image(image, Access::TransferWrite);
         self.flush();
         // SAFETY: recording; the image is alive, in the layout named, and of a colour format.
@@ -298,7 +303,7 @@ impl<'a> Recorder<'a> {
                 self.cmd,
                 image.handle(),
                 vk::ImageLayout::TRANSFER_DST_OPTIMAL,
-                &vk::ClearColorValue { float32: [0.0; 4] },
+                &vk::ClearColorValue { float32: texel },
                 &[COLOR_RANGE],
             );
         }

@@ -38,7 +38,7 @@ impl TexelBuffer {
             .format(format)
             .range(vk::WHOLE_SIZE);
         // SAFETY: the buffer is alive, bound and of that usage; its size was checked against the device's limit by the caller. On
-        // failure nothing but the buffer is freed.
+        // failure the null view is dropped with the buffer, which Vulkan ignores.
         texels.view = unsafe { context.device.create_buffer_view(&info, None) }
             .map_err(|e| context.vulkan_error("vkCreateBufferView", name, e))?;
         context.debug.name(texels.view, name);

@@ -378,8 +378,7 @@ impl Session {
         }))
     }
 
-    /// One picture without read-back: colour and opacity alone, as a host's command buffer records it, but for Monte Carlo without
-    /// depths and sample counts.
+    /// One picture without read-back, colour and opacity alone: but for Monte Carlo without depths and sample counts.
     ///
     /// # Errors
     /// As [`Session::frame`].

@@ -251,9 +251,7 @@ impl Loaded {
             _ => None,
         };
         let medium = self.medium_uniforms(recorder)?;
-        // Depths are infinite where nothing shows, and no image is cleared to that.
-        let pays = beams.is_some() && frame.aux.is_none() && target.background == [0.0; 4];
-        let cleared = target.own.filter(|_| pays);
+        let cleared = target.own.filter(|_| beams.is_some());
         let Settings {
             march, lighting, ..
         } = &self.settings;
@@ -261,7 +259,7 @@ impl Loaded {
         let capabilities = context.capabilities();
         let searched = self.light.is_some()
             || self.labels.is_some()
-            || diffuse && self.searches_for_shading(context);
+            || diffuse && self.settings.composites() && self.searches_for_shading(context);
         let variant = PictureVariant {
             reconstruction: self.reconstruction(lighting.emission),
             projection: march.projection,
@@ -297,9 +295,20 @@ impl Loaded {
             uploads,
             ..
         } = self;
+        // Depths where nothing shows, no samples; the last is the optical depth of X-rays, and of others a depth.
+        let far = f32::INFINITY;
+        let last = if march.projection == RayProjection::Xray {
+            0.0
+        } else {
+            far
+        };
+        let no_layers = [far, 0.0, far, last];
         let recorded = recorder.pass(pass_name::MARCH, |recorder| {
             if let Some(image) = cleared {
-                recorder.clear(image);
+                recorder.clear_to(image, target.background);
+                if let Some(aux) = frame.aux {
+                    recorder.clear_to(aux, no_layers);
+                }
             }
             target.use_own(recorder);
             let resources = PictureResources {

@@ -18,10 +18,20 @@ pub(super) fn packing(
     gradients: Option<&GradientVolume>,
 ) -> Option<Packing> {
     let wanted = settings.storage.packed_cells && settings.interpolates();
-    let others = other_texel_bytes(settings) + gradients.map_or(0, GradientVolume::texel_bytes);
+    let texel_bytes = other_texel_bytes(settings);
+    let gradient_bytes = gradients.map_or(0, GradientVolume::bytes);
     let budget = settings.storage.budget_bytes();
     wanted
-        .then(|| Packing::of(context, store, residency, others, budget))
+        .then(|| {
+            Packing::of(
+                context,
+                store,
+                residency,
+                texel_bytes,
+                gradient_bytes,
+                budget,
+            )
+        })
         .flatten()
 }
 

@@ -105,6 +105,36 @@ fn beams_change_no_bit() {
     assert_valid(&small_tiles);
 }
 
+/// Where nothing shows a picture is what its image was cleared to, not what was drawn there before; with depths and without.
+#[test]
+fn nothing_shows_through_from_the_picture_before() {
+    let device = device(|_| {});
+    let near = Camera::Orthographic {
+        eye: [24.0, -90.0, 22.0],
+        target: [24.0, 26.0, 22.0],
+        up: [0.0, 0.0, 1.0],
+        height: 30.0,
+    };
+    for projection in [RayProjection::Composite, RayProjection::Xray] {
+        let far = seen_from(Camera::default()).with(|scene| scene.march.projection = projection);
+        let expected = far.picture(&device);
+        let view = far.scene.camera.view(&far.volume, far.scene.image.size);
+        let mut session = far
+            .with(|scene| scene.camera = near.clone())
+            .session(&device);
+        let before = session.frame().unwrap();
+        assert!(differing(&before, &expected) > 500);
+        session.set_view(view.unwrap());
+        session.timed_frame().unwrap();
+        let samples = session.stats().unwrap().samples.taken;
+        let picture = session.frame().unwrap();
+        assert_eq!(differing(&picture, &expected), 0, "{projection:?}");
+        let counted: f64 = picture.samples.iter().map(|&n| f64::from(n)).sum();
+        assert_eq!(samples as f64, counted, "{projection:?}");
+    }
+    assert_valid(&device);
+}
+
 /// Along the long diagonal of a sheared volume rays are longer than its edges tell.
 #[test]
 fn bits_reach_to_the_far_corner_of_sheared_volumes() {

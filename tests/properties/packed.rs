@@ -166,5 +166,17 @@ fn corners_are_packed_where_they_are_read_and_fit() {
     let floats = waves(0.0, 255.0).map(|v| v as f32).collect();
     let floats = subject(Voxels::F32(floats), 0.0, 255.0);
     assert!(!first(&floats, &device).1, "of four bytes");
+
+    // More pages than one dispatch fills: 20 x 30 x 30 of them.
+    let large = (0..236u32.pow(3)).map(|i| (i.wrapping_mul(2_654_435_761) >> 16) as u16);
+    let large = Voxels::U16(large.collect());
+    let large = Volume::axis_aligned(large, [236; 3], [1.0; 3]).unwrap();
+    let points = vec![point(0.0, [1.0; 3], 0.0), point(65535.0, [1.0; 3], 0.05)];
+    let large = Subject::new(large, Camera::default(), [24, 24], 1.0, points);
+    let (picture, packed) = first(&large, &device);
+    assert!(packed, "of two bytes, and many");
+    let filtered = large.with(|scene| scene.storage.packed_cells = false);
+    let difference = largest_difference(&picture, &filtered.picture(&device));
+    assert!(difference < 2e-5, "{difference}");
     assert_valid(&device);
 }

@@ -425,7 +425,12 @@ pub(super) fn shading_reach(store: &Store, settings: &Settings) -> [u32; 3] {
     // A segment shows what lies between its ends, and is lit at its middle.
     let half_mm = 0.5 * settings.march.step * store.volume.min_spacing();
     let ix_from_world = store.volume.world_from_ix().matrix3.inverse();
-    std::array::from_fn(|axis| (half_mm * ix_from_world.row(axis).length()).ceil() as u32)
+    let size = store.volume.size();
+    // Beyond the volume nothing is lit: steps of any length look as far as it goes.
+    std::array::from_fn(|axis| {
+        let reach = (half_mm * ix_from_world.row(axis).length()).ceil() as u32;
+        reach.min(size[axis])
+    })
 }
 
 fn select(

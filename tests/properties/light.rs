@@ -2,7 +2,8 @@
 
 use umbravox::embed::Settings;
 use umbravox::headless::Session;
-use umbravox::scene::{AmbientOcclusion, Interpolation, Scene, Shading};
+use umbravox::scene::{AmbientOcclusion, Camera, Interpolation, Scene, Shading};
+use umbravox::volume::{Volume, Voxels};
 
 use crate::random::subject;
 use crate::sessions::{Subject, assert_valid, device, point, shown};
@@ -91,6 +92,29 @@ fn edits_give_the_bytes_of_a_fresh_session() {
             assert!(edited.rgba == expected.rgba, "{name}: light differs");
         }
     }
+    assert_valid(&device);
+}
+
+/// Work on the host grows with the volume, not with the step.
+#[test]
+fn steps_of_any_length_are_lit() {
+    let device = device(|_| {});
+    let lit = |step: f64| {
+        let volume = Volume::axis_aligned(Voxels::U8(vec![200; 20 * 20 * 20]), [20; 3], [1.0; 3]);
+        let points = vec![point(0.0, [1.0; 3], 0.0), point(255.0, [1.0; 3], 0.9)];
+        let subject = Subject::new(volume.unwrap(), Camera::default(), [16, 16], 1.0, points);
+        let subject = subject.with(|scene| {
+            scene.march.step = step;
+            scene.ambient_occlusion = Some(AmbientOcclusion {
+                rays: 2,
+                ..Default::default()
+            });
+        });
+        shown(&subject.picture(&device))
+    };
+    assert!(lit(1e3) > 10.0);
+    // What this long a step shows rounds to nothing; it took hours.
+    assert!(lit(1e9) < 10.0);
     assert_valid(&device);
 }
 

@@ -31,15 +31,16 @@ layout(constant_id = SPEC_CLEARED) const bool CLEARED = false;
 
 // Whether pixels that show nothing are stored at all.
 bool stores_unseen() {
+#ifdef BLEND_FORMAT
+    // What is blended over stays, but for what decoding and encoding round.
+    bool stores = ENCODE_SRGB;
+    if (AUX) {
+        stores = true;
+    }
+#else
     bool stores = true;
     if (CLEARED) {
         stores = false;
-    }
-#ifdef BLEND_FORMAT
-    // What is blended over stays, but for what decoding and encoding round.
-    stores = ENCODE_SRGB;
-    if (AUX) {
-        stores = true;
     }
 #endif
     return stores;

@@ -31,12 +31,43 @@ pub(crate) enum GradientTexels {
     Halves = 3,
 }
 
+impl GradientTexels {
+    pub(crate) fn format(self) -> vk::Format {
+        match self {
+            Self::TenBits => vk::Format::R32_UINT,
+            Self::Filtered | Self::Halves => vk::Format::R16G16B16A16_SFLOAT,
+        }
+    }
+
+    fn bytes(self) -> u32 {
+        match self {
+            Self::TenBits => 4,
+            Self::Filtered | Self::Halves => 8,
+        }
+    }
+
+    /// Of what shaders interpolate, in the shapes that they expect (gradient_pages.glsl).
+    fn pages(self, extent: [u32; 3]) -> Option<Pages> {
+        let shape = match self {
+            Self::Filtered => return None,
+            Self::TenBits => [8, 8, 16],
+            Self::Halves => [8, 8, 8],
+        };
+        Some(Pages::of(extent, shape, self.bytes()))
+    }
+
+    /// Whether shaders are to interpolate, which only pays where the device is a processor, and can load so many texels.
+    fn load(self, context: &Context, extent: [u32; 3]) -> bool {
+        let bytes = self.pages(extent).map_or(0, Pages::bytes);
+        context.capabilities().loads_texels
+            && bytes <= TexelBuffer::max_bytes(context, self.bytes())
+    }
+}
+
 /// How texels stand for gradients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Coding {
     texels: GradientTexels,
-    format: vk::Format,
-    texel_bytes: u32,
     /// Texture samples per index unit that a texel counts.
     unit: f32,
 }
@@ -44,20 +75,16 @@ struct Coding {
 impl Coding {
     /// `None` where halves cannot hold what the volume's range makes of gradients. `extent`: of the volume of gradients.
     fn of(context: &Context, store: &Store, extent: [u32; 3], estimator: Gradient) -> Option<Self> {
+        use GradientTexels::{Filtered, Halves, TenBits};
         let voxels = store.volume.voxels().voxel_type();
         let eight_bits = matches!(voxels, VoxelType::U8 | VoxelType::I8);
-        // Differences of two voxels are whole numbers of halves of a step of theirs, at most 510: all of them are exact.
-        let ten_bits = Self {
-            texels: GradientTexels::TenBits,
-            format: vk::Format::R32_UINT,
-            texel_bytes: 4,
-            unit: 1.0 / 510.0,
-        };
-        if eight_bits
-            && estimator == Gradient::CentralDifferences
-            && ten_bits.loads(context, extent)
-        {
-            return Some(ten_bits);
+        let central = estimator == Gradient::CentralDifferences;
+        if eight_bits && central && TenBits.load(context, extent) {
+            // Differences of two voxels are whole numbers of halves of a step of theirs, at most 510: all of them are exact.
+            return Some(Self {
+                texels: TenBits,
+                unit: 1.0 / 510.0,
+            });
         }
         // Numbers up to 1024 and a little, so that what is thousands of times smaller keeps its digits.
         let range = match voxels {
@@ -68,40 +95,11 @@ impl Coding {
             _ => 1.0,
         };
         let unit = if range == 0.0 { 1.0 } else { range / 1024.0 };
-        if !unit.is_normal() {
-            return None;
-        }
-        let halves = Self {
-            texels: GradientTexels::Halves,
-            format: vk::Format::R16G16B16A16_SFLOAT,
-            texel_bytes: 8,
+        let loaded = Halves.load(context, extent);
+        unit.is_normal().then_some(Self {
+            texels: if loaded { Halves } else { Filtered },
             unit,
-        };
-        Some(if halves.loads(context, extent) {
-            halves
-        } else {
-            Self {
-                texels: GradientTexels::Filtered,
-                ..halves
-            }
         })
-    }
-
-    /// Whether shaders are to interpolate, which only pays where the device is a processor, and can load so many texels.
-    fn loads(&self, context: &Context, extent: [u32; 3]) -> bool {
-        let bytes = self.pages(extent).map_or(0, Pages::bytes);
-        context.capabilities().loads_texels
-            && bytes <= TexelBuffer::max_bytes(context, self.texel_bytes)
-    }
-
-    /// Of what shaders interpolate, in the shapes that they expect (gradient_pages.glsl).
-    fn pages(&self, extent: [u32; 3]) -> Option<Pages> {
-        let shape = match self.texels {
-            GradientTexels::Filtered => return None,
-            GradientTexels::TenBits => [8, 8, 16],
-            GradientTexels::Halves => [8, 8, 8],
-        };
-        Some(Pages::of(extent, shape, self.texel_bytes))
     }
 }
 
@@ -152,17 +150,17 @@ impl GradientVolume {
         let voxel_bytes = store.volume.voxels().voxel_type().bytes() as u64;
         let texels = residency.layout.texels();
         let beside = texels.saturating_mul(voxel_bytes + u64::from(other_texel_bytes));
-        let bytes = coding.pages(extent).map_or_else(
-            || texels.saturating_mul(coding.texel_bytes.into()),
-            Pages::bytes,
-        );
+        let format = coding.texels.format();
+        let pages = coding.texels.pages(extent);
+        let texel_bytes = coding.texels.bytes().into();
+        let bytes = pages.map_or_else(|| texels.saturating_mul(texel_bytes), Pages::bytes);
         if beside.saturating_add(bytes) > budget_bytes {
             return Ok(None);
         }
         let name = format!("{name}.gradients");
-        let gradients = match coding.pages(extent) {
+        let gradients = match pages {
             Some(pages) => {
-                let texels = TexelBuffer::new(context, &name, coding.format, pages.bytes())?;
+                let texels = TexelBuffer::new(context, &name, format, pages.bytes())?;
                 GradientStore::Pages(texels, pages)
             }
             None => GradientStore::Image(Image::new(
@@ -170,7 +168,7 @@ impl GradientVolume {
                 &ImageInfo {
                     name: &name,
                     extent,
-                    format: coding.format,
+                    format,
                     three_dimensional: true,
                     usage: vk::ImageUsageFlags::SAMPLED
                         | vk::ImageUsageFlags::STORAGE

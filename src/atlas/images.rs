@@ -4,7 +4,10 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::{ColorAtlas, INTEGRAL_ROWS, LightWork, PackedCells, Residency, Store, TransferTable};
+use super::{
+    ColorAtlas, GradientTexels, INTEGRAL_ROWS, LightWork, PackedCells, Residency, Store,
+    TransferTable,
+};
 use crate::error::{Error, Result};
 use crate::gpu::memory::MemoryLocation;
 use crate::gpu::{Buffer, Context, Filter, Image, ImageInfo, Sampler, TexelBuffer};
@@ -198,8 +201,8 @@ impl NoTexels {
         };
         Ok(Self {
             cells: texel("cells", PackedCells::FORMAT)?,
-            ten_bits: texel("ten_bits", vk::Format::R32_UINT)?,
-            halves: texel("halves", vk::Format::R16G16B16A16_SFLOAT)?,
+            ten_bits: texel("ten_bits", GradientTexels::TenBits.format())?,
+            halves: texel("halves", GradientTexels::Halves.format())?,
         })
     }
 }

@@ -17,22 +17,20 @@ pub(super) fn packing(
     settings: &Settings,
     gradients: Option<&GradientVolume>,
 ) -> Option<Packing> {
-    let wanted = settings.storage.packed_cells && settings.interpolates();
+    if !settings.storage.packed_cells || !settings.interpolates() {
+        return None;
+    }
     let texel_bytes = other_texel_bytes(settings);
     let gradient_bytes = gradients.map_or(0, GradientVolume::bytes);
     let budget = settings.storage.budget_bytes();
-    wanted
-        .then(|| {
-            Packing::of(
-                context,
-                store,
-                residency,
-                texel_bytes,
-                gradient_bytes,
-                budget,
-            )
-        })
-        .flatten()
+    Packing::of(
+        context,
+        store,
+        residency,
+        texel_bytes,
+        gradient_bytes,
+        budget,
+    )
 }
 
 impl Loaded {

@@ -1,12 +1,21 @@
 // Beams: the rays of 4x2 pixels, one subgroup of 8. beams.comp finds out for all of a beam's rays together where along them something
 // may show, finishes the pixels of beams that show nothing, and lists the others for the march. Includes frame.glsl first.
 
+// Cells between voxels are looked up: a bit of a beam stands for one segment, not for several.
+layout(constant_id = SPEC_SHOWN_CELLS) const bool SHOWN_CELLS = false;
+
 const uvec2 BEAM_PX = uvec2(4u, 2u);
 const uint BEAM_PIXELS = BEAM_PX.x * BEAM_PX.y;
 
 // The march takes a list by rows of so many workgroups of 8 beams (src/pass/beams.rs).
 const uint BEAM_GROUPS_A_ROW = 32u;
 const uint BEAMS_A_GROUP = 8u;
+
+// Place of the lowest of some bits, by the exponent: CPU drivers have no instruction that finds it for several words.
+uint lowest_bit(uint bits) {
+    uint lowest = bits & (~bits + 1u);
+    return (floatBitsToUint(float(int(lowest))) >> 23 & 0xffu) - 127u;
+}
 
 // Where in its beam a pixel lies.
 uvec2 pixel_of_beam(uint at) {

@@ -11,9 +11,55 @@ Classified classify_middle(Ray ray, Brick b, Segment segment, bool shorter) {
     return c;
 }
 
+// The first `whole` segments, at least one, of those that the beam lists, a bit each.
+void march_listed(inout Accumulated acc, Ray ray, uint bits_at, uint whole, float shift) {
+    uint words = min((whole + 31u) / 32u, frame.beam_words);
+    uint word = 0u;
+    do {
+        uint bits = 0u;
+        bool none;
+        do {
+            uint left = whole - 32u * word;
+            uint listed = beam_runs[bits_at + word] & (left < 32u ? (1u << left) - 1u : ~0u);
+            none = listed == 0u && word + 1u < words;
+            bits |= listed;
+            word += uint(none);
+        } while (none);
+        if (bits != 0u) {
+            Brick b = brick_at(ray_position(ray, inner_segment(32u * word + lowest_bit(bits), shift).middle, volume.field_ix));
+            do {
+                uint at;
+                Segment segment;
+                Classified c;
+                bool more;
+                do {
+                    at = 32u * word + lowest_bit(bits);
+                    segment = inner_segment(at, shift);
+                    c = classify_middle(ray, b, segment, JITTER);
+                    uint others = bits & (bits - 1u);
+                    more = searches_on(c.opacity != 0.0) && others != 0u;
+                    acc.samples += uint(more);
+                    bits = more ? others : bits;
+                } while (more);
+                add_segment(acc, ray, b, segment, c);
+                // As `others` it would be computed in the loop: lavapipe then has it in place of what rays that found something first
+                // are still computed from.
+                bits &= ~(1u << (at & 31u));
+            } while (bits != 0u && acc.opacity < frame.early_termination);
+        }
+        ++word;
+    } while (word < words && acc.opacity < frame.early_termination);
+}
+
 // The first `whole` of `count` segments, sampled at their middles. Jittered rays have a shorter first one too and take the exact
 // path throughout.
 void march_whole(inout Accumulated acc, Ray ray, uint bits_at, uint whole, uint count, float shift) {
+    if (SHOWN_CELLS) {
+        if (whole > 0u) {
+            march_listed(acc, ray, bits_at, whole, shift);
+        }
+        return;
+    }
     Heading heading = heading_of(ray.step_ix);
     uint i = 0u;
     if (i < whole) {

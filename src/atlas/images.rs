@@ -29,6 +29,8 @@ pub(crate) struct Images {
     pub(crate) skip: Image,
     /// Corners of voxel cells, packed; what fills them decides when they can be read.
     pub(crate) packed_cells: Option<PackedCells>,
+    /// Bits of cells between voxels that may show something (see [`super::Visibility::cells`]), where beams look them up.
+    pub(crate) shown_cells: Option<TexelBuffer>,
     /// Stands in for texel buffers that are not there.
     pub(crate) no_texels: NoTexels,
     /// Colours of the data, where they are drawn.
@@ -101,6 +103,7 @@ impl Images {
             .transpose()?;
         Ok(Self {
             packed_cells: None,
+            shown_cells: None,
             no_texels: NoTexels::new(context, name)?,
             color,
             atlas: volume_image("atlas", extent, format, sampled)?,
@@ -160,9 +163,29 @@ impl Images {
             .collect()
     }
 
+    /// What beams look up, of bits as [`super::Visibility::cells`] has them; `None` where the device has no room, as beams can do without.
+    pub(crate) fn shown_cells(
+        context: &Arc<Context>,
+        name: &str,
+        cells: Option<&[u64]>,
+    ) -> Result<Option<TexelBuffer>> {
+        let name = format!("{name}.shown_cells");
+        let format = NoTexels::SHOWN_CELLS;
+        let most = TexelBuffer::max_bytes(context, size_of::<u64>() as u32);
+        let bytes: Option<&[u8]> = cells.map(bytemuck::cast_slice);
+        let Some(bytes) = bytes.filter(|bytes| bytes.len() as u64 <= most) else {
+            return Ok(None);
+        };
+        match TexelBuffer::holding(context, &name, format, bytes) {
+            Err(Error::OutOfMemory { .. }) => Ok(None),
+            made => made.map(Some),
+        }
+    }
+
     /// Nothing is known of what the images hold; see [`Image::forget`].
     pub(crate) fn forget(&mut self) {
         self.packed_cells.iter_mut().for_each(PackedCells::forget);
+        self.shown_cells.iter().for_each(|t| t.buffer().forget());
         let images = [
             &self.atlas,
             &self.index,
@@ -188,6 +211,8 @@ impl Images {
 pub(crate) struct NoTexels {
     /// As of packed corners.
     pub(crate) cells: TexelBuffer,
+    /// As of [`Images::shown_cells`].
+    pub(crate) shown_cells: TexelBuffer,
     /// As of gradients of ten bits.
     pub(crate) ten_bits: TexelBuffer,
     /// As of gradients in halves.
@@ -195,12 +220,15 @@ pub(crate) struct NoTexels {
 }
 
 impl NoTexels {
+    const SHOWN_CELLS: vk::Format = vk::Format::R32G32_UINT;
+
     fn new(context: &Arc<Context>, name: &str) -> Result<Self> {
         let texel = |part: &str, format| {
             TexelBuffer::new(context, &format!("{name}.no_{part}"), format, 16)
         };
         Ok(Self {
             cells: texel("cells", PackedCells::FORMAT)?,
+            shown_cells: texel("shown_cells", Self::SHOWN_CELLS)?,
             ten_bits: texel("ten_bits", GradientTexels::TenBits.format())?,
             halves: texel("halves", GradientTexels::Halves.format())?,
         })

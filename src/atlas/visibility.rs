@@ -7,6 +7,7 @@ use crate::scene::Interpolation;
 use crate::volume::blocks::{BLOCK_CELLS, BlockGrid, FINEST};
 use crate::volume::cells::{CellGrid, Reach, SKIP_CELLS};
 use crate::volume::leaps::octant_leaps;
+use crate::volume::shown_cells::shown_cells;
 use crate::volume::visible_ranges::{VisibleEnds, VisibleRanges};
 
 use super::light_work::LightWork;
@@ -18,6 +19,10 @@ use super::{SampleScale, Shown};
 pub(crate) struct Visibility {
     /// By skip cell: see [`octant_leaps`]; [`WHOLE_BLOCK`] for a 0 whose whole block is 0.
     pub(crate) leaps: Arc<Vec<u32>>,
+    /// See [`shown_cells()`]; `None` where nobody asks, or nothing finer than skip cells is known.
+    pub(crate) cells: Option<Vec<u64>>,
+    /// What was asked for.
+    cells_asked: Option<f64>,
     pub(crate) light: LightWork,
     /// How far the filter looks.
     reach: Option<Reach>,
@@ -34,6 +39,8 @@ pub(crate) struct VisibilityRequest<'a> {
     pub(crate) interpolation: Interpolation,
     /// Light is wanted, for samples so far from what shows something (see [`LitVoxels::new`]).
     pub(crate) lit: Option<[u32; 3]>,
+    /// Cells between voxels are wanted where at most this share of those in visible skip cells shows something.
+    pub(crate) cells: Option<f64>,
 }
 
 impl Visibility {
@@ -44,6 +51,8 @@ impl Visibility {
         let occupancy = request.occupancy(&ranges);
         Ok(Self {
             leaps: request.leaps(&occupancy).into(),
+            cells: request.shown_cells(&ranges, &occupancy),
+            cells_asked: request.cells,
             light: request.light(&ranges, &occupancy)?,
             reach: request.reach(),
             ends: ranges.into_ends(),
@@ -60,13 +69,15 @@ impl Visibility {
         let reach = request.reach();
         // What a wider filter returns may lie between integers.
         let by_ends = reach.is_none() && self.reach.is_none() && self.ends.is_some();
-        if by_ends && ranges.ends() == self.ends.as_ref() {
+        let same_wish = request.cells == self.cells_asked;
+        if by_ends && same_wish && ranges.ends() == self.ends.as_ref() {
             return Ok(None);
         }
         let occupancy = request.occupancy(&ranges);
         let occupied = self.leaps.iter().map(|&word| word <= WHOLE_BLOCK);
         let same_cells = occupied.eq(occupancy.iter().map(|&cell| cell != 0));
-        if same_cells && request.lit.is_none() {
+        let cells = request.shown_cells(&ranges, &occupancy);
+        if same_cells && request.lit.is_none() && cells == self.cells {
             return Ok(None);
         }
         Ok(Some(Self {
@@ -75,6 +86,8 @@ impl Visibility {
             } else {
                 request.leaps(&occupancy).into()
             },
+            cells,
+            cells_asked: request.cells,
             light: request.light(&ranges, &occupancy)?,
             reach,
             ends: ranges.into_ends(),
@@ -160,6 +173,27 @@ impl<'a> VisibilityRequest<'a> {
         let mut leaps = octant_leaps(counts, occupancy);
         mark_whole_blocks(self.store.grid(), counts, &mut leaps);
         leaps
+    }
+
+    fn shown_cells(
+        &self,
+        ranges: &VisibleRanges<'_, Shown<'_>>,
+        occupancy: &[u8],
+    ) -> Option<Vec<u64>> {
+        // Those of coarser bricks, and of wider filters, say nothing.
+        if !self.residency.layout.is_grid() || self.reach().is_some() {
+            return None;
+        }
+        let volume = &self.store.volume;
+        let counts = self.residency.cells.counts();
+        shown_cells(
+            volume.voxels(),
+            volume.size(),
+            counts,
+            occupancy,
+            ranges.ends()?,
+            self.cells?,
+        )
     }
 
     fn light(&self, ranges: &VisibleRanges<'_, Shown<'_>>, occupancy: &[u8]) -> Result<LightWork> {

@@ -27,11 +27,34 @@ impl TexelBuffer {
         format: vk::Format,
         bytes: u64,
     ) -> Result<Self> {
+        Self::located(context, name, format, bytes, MemoryLocation::Device)
+    }
+
+    /// Holds `bytes` from the start, where the host writes.
+    pub(crate) fn holding(
+        context: &Arc<Context>,
+        name: &str,
+        format: vk::Format,
+        bytes: &[u8],
+    ) -> Result<Self> {
+        let length = bytes.len() as u64;
+        let mut texels = Self::located(context, name, format, length, MemoryLocation::Upload)?;
+        texels.buffer.mapped_mut()?[..bytes.len()].copy_from_slice(bytes);
+        Ok(texels)
+    }
+
+    fn located(
+        context: &Arc<Context>,
+        name: &str,
+        format: vk::Format,
+        bytes: u64,
+        location: MemoryLocation,
+    ) -> Result<Self> {
         let usage = vk::BufferUsageFlags::STORAGE_TEXEL_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
         let mut texels = Self {
             context: context.clone(),
             view: vk::BufferView::null(),
-            buffer: Buffer::new(context, name, bytes, usage, MemoryLocation::Device)?,
+            buffer: Buffer::new(context, name, bytes, usage, location)?,
         };
         let info = vk::BufferViewCreateInfo::default()
             .buffer(texels.buffer.handle())

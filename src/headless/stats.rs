@@ -118,7 +118,8 @@ pub struct MemoryStats {
     pub packed_cells_bytes: u64,
     /// Of those: stored gradients (`lighting.stored_gradients`); 0 without.
     pub gradients_bytes: u64,
-    /// Of those: what beams leave for the march (`march.beams`), with the size of the picture; 0 without.
+    /// Of those: what beams leave for the march (`march.beams`), with the size of the picture, and the bits of cells that they look up;
+    /// 0 without.
     pub beams_bytes: u64,
     /// Bytes of bricks that were staged and uploaded since the volume was loaded.
     pub uploaded_bytes: u64,

@@ -30,6 +30,8 @@ pub(crate) struct BeamLengths {
     pub(crate) shift: u32,
     /// Words of bits for each beam.
     pub(crate) words: u32,
+    /// A bit stands for one segment, and cells between voxels are looked up.
+    pub(crate) singly: bool,
 }
 
 /// How many there are in a picture.

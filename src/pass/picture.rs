@@ -16,7 +16,7 @@ use ash::vk;
 use super::beams::{Beams, BeamsPass, TILE_BYTES, march_tiles};
 use super::{
     Reconstruction, Variants, gradient_constant, sampled, tile_groups, use_field, use_gradients,
-    use_labels, use_texels,
+    use_labels, use_texel_buffer, use_texels,
 };
 use crate::atlas::{
     GradientTexels, GradientVolume, Images, LabelImages, MediumImages, TableImages,
@@ -120,6 +120,8 @@ pub(crate) struct PictureVariant {
     pub(crate) beams: bool,
     /// The target holds the background already.
     pub(crate) cleared: bool,
+    /// Beams look cells between voxels up, and have a bit for each segment.
+    pub(crate) shown_cells: bool,
     /// Rays search for samples that show something before they do what those alone need.
     pub(crate) searched: bool,
     /// Subgroups do so together, where there is a module for the target.
@@ -198,6 +200,7 @@ impl PictureVariant {
             (SPEC_BEAMS, self.beams.into()),
             (SPEC_CLEARED, self.cleared.into()),
             (SPEC_SEARCHED, self.searched.into()),
+            (SPEC_SHOWN_CELLS, self.shown_cells.into()),
             (SPEC_JITTER, self.jitter.into()),
             (SPEC_AUX, self.aux.into()),
             (SPEC_SCENE_DEPTH, self.scene_depth.into()),
@@ -417,6 +420,10 @@ impl PicturePass {
             (BINDING_AUX, Bound::StorageImage(aux)),
             (BINDING_RANGE, sampled(range, &self.nearest)),
         ]);
+        let no_cells = &images.no_texels.shown_cells;
+        let shown_cells = images.shown_cells.as_ref().unwrap_or(no_cells);
+        let shown_cells = use_texel_buffer(recorder, shown_cells);
+        bound.push((BINDING_SHOWN_CELLS, shown_cells));
         let unused = (&self.unused_volume, &images.linear);
         bound.extend(use_gradients(recorder, images, gradients, unused));
         for (bindings, table) in tables {

@@ -6,31 +6,68 @@ use glam::DVec3;
 
 use super::RayBasis;
 use super::loaded::{Loaded, NAME};
+use super::settings::Settings;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
 use crate::pass::beams::{BeamCounts, BeamLengths, Beams};
+use crate::scene::Shading;
 
 /// Words of bits for a beam, at most: with the shortest runs of segments they are enough for rays of a thousand segments.
 const MOST_WORDS: u32 = 8;
+
+/// Bits for each of the shortest runs where cells between voxels are looked up, one for every segment of it.
+const SINGLE_BITS: u32 = 4;
 
 /// Voxels from a pixel to the next, in the middle of the volume, up to which beams pay: the boxes around rays that are farther apart meet
 /// too many cells that no ray does. Of 256³ voxels, 512 × 512 pixels have 0.6 (time 0.64 to 0.91), 192 × 192 have 1.6 (0.83 to 1.02),
 /// 96 × 96 have 3.2 (0.94 to 2.29).
 const WIDEST_PIXEL: f64 = 2.0;
 
+/// The same up to which beams look cells between voxels up: larger boxes meet too many of them.
+const WIDEST_FOR_CELLS: f64 = 1.0;
+
+/// Share of the cells between voxels, of those in skip cells that show something, that do so, up to which looking them up costs less than
+/// the samples that it saves; where samples are shaded, lit, looked up among labels or integrated they cost more.
+const MOST_SHOWN: f64 = 0.65;
+const MOST_SHOWN_OF_DEAR: f64 = 0.9;
+
 /// Segments of the shortest runs, as a power of two. A skip cell is as many voxels long.
 const SHORTEST_SHIFT: u32 = 2;
 
-/// Bits for rays of so many segments.
-fn lengths(segments: f64) -> BeamLengths {
+/// Bits for rays of so many segments. `singly`: one for each segment, where that is not too many.
+fn lengths(segments: f64, singly: bool) -> BeamLengths {
     let words = |shift: u32| (segments / f64::from(32 << shift)).ceil().max(1.0);
     let shift = (SHORTEST_SHIFT..SHORTEST_SHIFT + 16)
         .find(|&shift| words(shift) <= f64::from(MOST_WORDS))
         .unwrap_or(SHORTEST_SHIFT + 16);
+    let singly = singly && words(SHORTEST_SHIFT) <= f64::from(2 * MOST_WORDS);
+    if singly {
+        return BeamLengths {
+            shift: 0,
+            words: SINGLE_BITS * words(SHORTEST_SHIFT) as u32,
+            singly,
+        };
+    }
     BeamLengths {
         shift,
         words: words(shift).min(f64::from(MOST_WORDS)) as u32,
+        singly,
     }
+}
+
+/// Up to which share of cells between voxels beams look them up; `None` where there are no beams.
+pub(super) fn most_shown(context: &Context, settings: &Settings) -> Option<f64> {
+    let dear = settings.lighting.shading == Shading::Diffuse
+        || settings.is_preintegrated()
+        || settings.ambient_occlusion.is_some()
+        || settings.labels.is_some();
+    let most = if dear { MOST_SHOWN_OF_DEAR } else { MOST_SHOWN };
+    (context.capabilities().casts_beams && casts(settings)).then_some(most)
+}
+
+fn casts(settings: &Settings) -> bool {
+    let march = &settings.march;
+    march.beams && march.empty_space_skipping && settings.composites()
 }
 
 impl Loaded {
@@ -43,15 +80,15 @@ impl Loaded {
         size_px: [u32; 2],
     ) -> Result<Option<(Beams, BeamLengths)>> {
         let kept = self.beams.take();
-        let march = &self.settings.march;
         let capabilities = context.capabilities();
-        let skips = march.beams && march.empty_space_skipping && self.is_uniform_grid();
-        let serves = capabilities.casts_beams && skips && self.settings.composites();
-        if !serves || !self.has_narrow_pixels(rays, size_px) {
+        let serves = capabilities.casts_beams && casts(&self.settings) && self.is_uniform_grid();
+        if !serves || !self.has_narrow_pixels(rays, size_px, WIDEST_PIXEL) {
             return Ok(None);
         }
         // Those of the longest way, the one that a jittered start adds, and one for rounding.
-        let lengths = lengths(self.longest_mm() / self.step_mm() + 2.0);
+        let singly = self.images.shown_cells.is_some()
+            && self.has_narrow_pixels(rays, size_px, WIDEST_FOR_CELLS);
+        let lengths = lengths(self.longest_mm() / self.step_mm() + 2.0, singly);
         let counts = BeamCounts::of(size_px, self.march_tile());
         if counts.run_bytes(lengths.words) > capabilities.max_storage_bytes {
             return Ok(None);
@@ -65,8 +102,8 @@ impl Loaded {
         }
     }
 
-    /// True where pixels are at most [`WIDEST_PIXEL`] apart in the middle of the volume.
-    fn has_narrow_pixels(&self, rays: &RayBasis, [width, height]: [u32; 2]) -> bool {
+    /// True where pixels are at most so many voxels apart in the middle of the volume.
+    fn has_narrow_pixels(&self, rays: &RayBasis, [width, height]: [u32; 2], most: f64) -> bool {
         let volume = &self.store.volume;
         let world_from_ix = volume.world_from_ix();
         let last = DVec3::from_array(volume.size().map(|n| f64::from(n - 1)));
@@ -77,14 +114,15 @@ impl Loaded {
         let lengths = origin.distance(middle) / direction.length();
         let ix_from_world = world_from_ix.matrix3.inverse();
         let is_narrow = |origin: DVec3, direction: DVec3| {
-            (ix_from_world * (origin + lengths * direction)).length() <= WIDEST_PIXEL
+            (ix_from_world * (origin + lengths * direction)).length() <= most
         };
         is_narrow(rays.origin_dx, rays.direction_dx) && is_narrow(rays.origin_dy, rays.direction_dy)
     }
 
-    /// Bytes that they take.
+    /// Bytes that they take, with the cells that they look up.
     pub(crate) fn beams_bytes(&self) -> u64 {
-        self.beams.as_ref().map_or(0, Beams::bytes)
+        let cells = self.images.shown_cells.as_ref();
+        self.beams.as_ref().map_or(0, Beams::bytes) + cells.map_or(0, |c| c.buffer().bytes())
     }
 }
 
@@ -94,14 +132,28 @@ mod tests {
 
     #[test]
     fn bits_reach_to_the_end_of_the_longest_ray() {
-        for segments in [1.0, 128.0, 129.0, 443.4, 1024.0, 1025.0, 8e3, 60e3] {
-            let BeamLengths { shift, words } = lengths(segments);
-            let reach = f64::from((32 * words) << shift);
-            assert!(reach >= segments, "{segments} of {reach}");
-            assert!(words <= MOST_WORDS);
-            assert!(
-                shift == SHORTEST_SHIFT || segments > f64::from((32 * MOST_WORDS) << (shift - 1))
-            );
+        for segments in [1.0, 128.0, 129.0, 443.4, 1024.0, 1025.0, 2049.0, 8e3, 60e3] {
+            for wanted in [false, true] {
+                let lengths = lengths(segments, wanted);
+                let BeamLengths {
+                    shift,
+                    words,
+                    singly,
+                } = lengths;
+                let reach = f64::from((32 * words) << shift);
+                assert!(reach >= segments, "{segments} of {reach}");
+                assert_eq!(singly, wanted && segments <= 2048.0);
+                if singly {
+                    assert_eq!(shift, 0);
+                    assert!(words.is_multiple_of(SINGLE_BITS), "{words}");
+                    continue;
+                }
+                assert!(words <= MOST_WORDS);
+                assert!(
+                    shift == SHORTEST_SHIFT
+                        || segments > f64::from((32 * MOST_WORDS) << (shift - 1))
+                );
+            }
         }
     }
 }

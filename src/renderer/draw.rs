@@ -272,6 +272,7 @@ impl Loaded {
             data_color: self.images.color.is_some(),
             beams: beams.is_some(),
             cleared: cleared.is_some(),
+            shown_cells: lengths.is_some_and(|lengths| lengths.singly),
             searched,
             votes: capabilities.votes && capabilities.loads_texels,
             jitter: march.jitter,

@@ -3,6 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use super::RayBasis;
+use super::beams::most_shown;
 use super::gradients::gradients;
 use super::light::LightProgress;
 use super::packed::packing;
@@ -72,8 +73,9 @@ impl Loaded {
         let table = transfer_table(&store, &settings);
         let residency = choose(context, &store, &table, &settings)?;
         let lit = settings.ambient_occlusion.is_some();
-        let visibility =
-            Visibility::new(&visibility_request(&store, &residency, &table, &settings))?;
+        let visibility = Visibility::new(&visibility_request(
+            context, &store, &residency, &table, &settings,
+        ))?;
         let prepared = Prepared::new(context, NAME, &table, &residency, &settings)?;
         let mut images = Images::new(context, NAME, &store, &residency, lit, settings.data_color)?;
         let labels = label_images(context, &settings)?;
@@ -81,6 +83,7 @@ impl Loaded {
         images.packed_cells = packing(context, &store, &residency, &settings, gradients.as_ref())
             .map(|packing| PackedCells::new(context, NAME, packing))
             .transpose()?;
+        images.shown_cells = Images::shown_cells(context, NAME, visibility.cells.as_deref())?;
         let lists = LightLists::new(context, NAME, &visibility.light)?;
         let light = light_progress(&store, &settings, None);
         let uploads = Uploads::all(&residency);
@@ -171,10 +174,10 @@ impl Loaded {
         // Everything that can fail comes first, so that an error leaves the old state in force.
         let current = residency.as_ref().unwrap_or(&self.residency);
         let lights_other = lit_reach(&self.store, &settings) != lit_reach(&self.store, old);
-        let request = visibility_request(&self.store, current, &table, &settings);
+        let request = visibility_request(context, &self.store, current, &table, &settings);
         let visibility = if residency.is_some() || lights_other {
             Some(Visibility::new(&request)?)
-        } else if reclassify {
+        } else if reclassify || most_shown(context, &settings) != most_shown(context, old) {
             self.visibility.changed(&request)?
         } else {
             None
@@ -214,6 +217,10 @@ impl Loaded {
                     .transpose()
             })
             .transpose()?;
+        let seen = visibility.as_ref().unwrap_or(&self.visibility);
+        let shown_cells = (visibility.is_some() || images.is_some())
+            .then(|| Images::shown_cells(context, NAME, seen.cells.as_deref()))
+            .transpose()?;
         let lists = visibility
             .as_ref()
             .map(|v| LightLists::new(context, NAME, &v.light))
@@ -251,6 +258,9 @@ impl Loaded {
         }
         if let Some(cells) = cells {
             self.images.packed_cells = cells;
+        }
+        if let Some(shown_cells) = shown_cells {
+            self.images.shown_cells = shown_cells;
         }
         self.uploads.reclassify();
         self.share_shown = OnceLock::new();
@@ -397,6 +407,7 @@ pub(super) fn shown<'a>(table: &'a TransferTable, settings: &'a Settings) -> Sho
 }
 
 fn visibility_request<'a>(
+    context: &Context,
     store: &'a Store,
     residency: &'a Residency,
     table: &'a TransferTable,
@@ -408,6 +419,7 @@ fn visibility_request<'a>(
         shown: shown(table, settings),
         interpolation: settings.march.interpolation,
         lit: lit_reach(store, settings),
+        cells: most_shown(context, settings),
     }
 }
 

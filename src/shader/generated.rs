@@ -451,6 +451,8 @@ pub const BINDING_BEAM_RUNS: u32 = 58;
 
 pub const BINDING_GRADIENTS_STORE: u32 = 59;
 
+pub const BINDING_SHOWN_CELLS: u32 = 60;
+
 pub const SPEC_INTERPOLATION: u32 = 0;
 
 pub const SPEC_BLOCKS_APART: u32 = 1;
@@ -524,3 +526,5 @@ pub const SPEC_BEAMS: u32 = 34;
 pub const SPEC_CLEARED: u32 = 35;
 
 pub const SPEC_SEARCHED: u32 = 36;
+
+pub const SPEC_SHOWN_CELLS: u32 = 37;

@@ -15,6 +15,7 @@ pub mod layout;
 pub mod leaps;
 mod metadata;
 pub mod select;
+pub mod shown_cells;
 pub mod statistics;
 mod summary;
 mod texel;

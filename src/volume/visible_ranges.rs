@@ -91,6 +91,40 @@ impl VisibleEnds {
         Self { first, ends }
     }
 
+    /// Intervals of integers, both ends included and ascending, of which a range meets one if it shows something: at most `most`, for which
+    /// those that lie closest together are taken for one.
+    pub fn intervals(&self, most: usize) -> Vec<[i32; 2]> {
+        let last = self.first + self.ends.len() as i32 - 1;
+        let mut intervals: Vec<[i32; 2]> = Vec::new();
+        for (low, &end) in (self.first..).zip(&self.ends) {
+            if end > last {
+                break;
+            }
+            if self.ends.get((low + 1 - self.first) as usize) == Some(&end) {
+                // Ranges from the next integer on show as much.
+                continue;
+            }
+            match intervals.last_mut() {
+                Some([_, before]) if low <= *before + 1 => *before = end,
+                _ => intervals.push([low, end]),
+            }
+        }
+        // Ends of those after which the widest gaps lie.
+        let mut ends: Vec<usize> = (1..intervals.len()).collect();
+        ends.sort_by_key(|&at| intervals[at - 1][1] - intervals[at][0]);
+        ends.truncate(most.max(1) - 1);
+        ends.sort_unstable();
+        ends.push(intervals.len());
+        let mut start = 0;
+        let merged = ends.into_iter().filter(|_| !intervals.is_empty());
+        merged
+            .map(|end| {
+                let first = std::mem::replace(&mut start, end);
+                [intervals[first][0], intervals[end - 1][1]]
+            })
+            .collect()
+    }
+
     /// `None` for what does not begin and end at integers that the volume may have.
     fn visible(&self, stored: [f32; 2]) -> Option<bool> {
         let [low, high] = stored.map(|v| v as i32);
@@ -104,7 +138,7 @@ impl VisibleEnds {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use glam::DAffine3;
 
     use super::VisibleRanges;
@@ -112,7 +146,7 @@ mod tests {
     use crate::volume::{Rescale, Volume, Voxels};
 
     /// Shows some intervals.
-    struct Intervals(Vec<[f64; 2]>);
+    pub(in crate::volume) struct Intervals(pub(in crate::volume) Vec<[f64; 2]>);
 
     impl Classify for Intervals {
         fn premultiplied(&self, _: f64) -> [f32; 7] {
@@ -123,6 +157,46 @@ mod tests {
             let meets = |shown: &[f64; 2]| shown[0] <= range[1] && range[0] <= shown[1];
             self.0.iter().any(meets)
         }
+    }
+
+    #[test]
+    fn what_shows_something_meets_an_interval() {
+        let volume = Volume::new(
+            Voxels::I16((-100..100).collect()),
+            [2, 2, 50],
+            DAffine3::IDENTITY,
+            Rescale::default(),
+        )
+        .unwrap();
+        // Single integers, what lies between two, and more than are asked for.
+        let shown = Intervals(vec![
+            [-90.0, -70.5],
+            [-60.0, -60.0],
+            [-40.6, -40.4],
+            [10.0, 30.0],
+            [50.0, 51.0],
+        ]);
+        let ranges = VisibleRanges::new(&volume, &shown);
+        let ends = ranges.ends().unwrap();
+        let all = [[-90, -71], [-60, -60], [-41, -40], [10, 30], [50, 51]];
+        assert_eq!(ends.intervals(8), all);
+        // The nearest become one.
+        assert_eq!(ends.intervals(3), [[-90, -40], [10, 30], [50, 51]]);
+        assert_eq!(ends.intervals(1), [[-90, 51]]);
+        for most in 1..8 {
+            let intervals = ends.intervals(most);
+            assert!(intervals.len() <= most);
+            for low in -100..100 {
+                for high in low..100 {
+                    let meets = intervals.iter().any(|i| i[0] <= high && low <= i[1]);
+                    let shows = ranges.visible([low, high].map(|v| v as f32));
+                    assert!(meets || !shows, "[{low}, {high}] of {intervals:?}");
+                }
+            }
+        }
+        let nothing = Intervals(vec![]);
+        let ranges = VisibleRanges::new(&volume, &nothing);
+        assert!(ranges.ends().unwrap().intervals(8).is_empty());
     }
 
     #[test]

@@ -1,7 +1,11 @@
 //! Beams change no bit, whatever rays they stand for.
 
+use std::sync::Arc;
+
 use glam::{DAffine3, DMat3, DVec3};
-use umbravox::scene::{Camera, Classification, RayProjection, Scene, Shading};
+use umbravox::picture::Picture;
+use umbravox::renderer::Settings;
+use umbravox::scene::{Camera, Classification, Interpolation, RayProjection, Scene, Shading};
 use umbravox::volume::{Rescale, Volume, Voxels};
 
 use crate::bits::differing;
@@ -103,6 +107,85 @@ fn beams_change_no_bit() {
     }
     assert_valid(&device);
     assert_valid(&small_tiles);
+}
+
+/// A camera so near that pixels are less than a voxel apart.
+fn near() -> Camera {
+    Camera::Orthographic {
+        eye: [100.0, -70.0, 60.0],
+        target: [24.0, 26.0, 22.0],
+        up: [0.0, 0.0, 1.0],
+        height: 34.0,
+    }
+}
+
+/// The same volume in floats, of which beams know nothing finer than skip cells.
+fn in_floats(subject: &Subject) -> Subject {
+    let volume = &subject.volume;
+    let Voxels::U8(voxels) = volume.voxels() else {
+        panic!("8-bit voxels");
+    };
+    let voxels = Voxels::F32(voxels.iter().map(|&v| f32::from(v)).collect());
+    let world_from_ix = volume.world_from_ix();
+    let volume = Volume::new(voxels, volume.size(), world_from_ix, Rescale::default());
+    Subject {
+        volume: Arc::new(volume.unwrap()),
+        scene: subject.scene.clone(),
+    }
+}
+
+#[test]
+fn cells_between_voxels_spare_samples_and_change_no_bit() {
+    let device = device(|_| {});
+    let processor = device.device().device_type == "cpu";
+    for (what, change) in CHANGES {
+        let subject = seen_from(near()).with(change);
+        let expected = subject
+            .with(|scene| scene.march.beams = false)
+            .picture(&device);
+        assert!(shown(&expected) > 10.0, "{what}");
+        let picture = subject.picture(&device);
+        assert_eq!(differing(&picture, &expected), 0, "{what}");
+        let taken = |picture: &Picture| picture.samples.iter().sum::<u32>();
+        let [taken, coarsely] = [&picture, &in_floats(&subject).picture(&device)].map(taken);
+        // Rays of more than 2048 segments have bits for several at a time.
+        let singly = processor && what != "2000 segments";
+        let spared = f64::from(taken) < 0.9 * f64::from(coarsely);
+        assert_eq!(spared, singly, "{what}: {taken} samples, {coarsely}");
+    }
+    assert_valid(&device);
+}
+
+/// Another transfer function shows other cells; what is dear asks for them where others do not.
+#[test]
+fn edits_look_cells_up_anew() {
+    let device = device(|_| {});
+    let plain = seen_from(near());
+    let dense = plain.with(|scene| {
+        scene.transfer_function.points = Some(vec![
+            point(0.0, [0.1, 0.1, 0.1], 0.0),
+            point(2.0, [0.2, 0.5, 0.9], 0.01),
+            point(255.0, [0.9, 0.8, 0.4], 0.5),
+        ]);
+    });
+    let shaded = plain.with(|scene| scene.lighting.shading = Shading::Diffuse);
+    let cubic = plain.with(|scene| scene.march.interpolation = Interpolation::Bspline);
+    let without = plain.with(|scene| scene.march.beams = false);
+    let mut session = plain.session(&device);
+    for (step, subject) in [
+        &plain, &dense, &shaded, &cubic, &plain, &without, &dense, &plain,
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let settings = Settings::of_scene(&subject.scene, &subject.volume).unwrap();
+        session.set_settings(settings).unwrap();
+        let picture = session.frame().unwrap();
+        let expected = subject.picture(&device);
+        assert_eq!(differing(&picture, &expected), 0, "edit {step}");
+        assert_eq!(picture.samples, expected.samples, "edit {step}");
+    }
+    assert_valid(&device);
 }
 
 /// Where nothing shows a picture is what its image was cleared to, not what was drawn there before; with depths and without.

@@ -34,6 +34,7 @@ macro_rules! march_spec_ids {
             SPEC_LOADS,
             SPEC_BEAMS,
             SPEC_SEARCHED,
+            SPEC_SHOWN_CELLS,
         ]
     };
 }
@@ -134,9 +135,10 @@ const BEAMS_SPEC_IDS: &[u32] = &[
     SPEC_RUNS,
     SPEC_LOADS,
     SPEC_CLEARED,
+    SPEC_SHOWN_CELLS,
 ];
 
-const fn beams_bindings(target: Access) -> [Binding; 9] {
+const fn beams_bindings(target: Access) -> [Binding; 10] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -147,6 +149,7 @@ const fn beams_bindings(target: Access) -> [Binding; 9] {
         storage_buffer(BINDING_BEAM_TILES),
         storage_buffer(BINDING_BEAM_LIST),
         storage_buffer(BINDING_BEAM_RUNS),
+        texel_buffer(BINDING_SHOWN_CELLS, Access::Read),
     ]
 }
 

@@ -1,0 +1,118 @@
+// Bits of a beam: which of its segments may show something. Includes beam_box.glsl and shown_cells.glsl first, and `beam_runs`.
+
+// Where along a segment samples may lie: at its middle, or from its start, or that of the one before where rays start anywhere in
+// a step, to its end. The middle of a ray's last one, which is shorter, is nearer to its start.
+float samples_from() {
+    float from = 0.5;
+    if (CLASSIFICATION == PREINTEGRATED) {
+        from = 0.0;
+    }
+    // The host's geometry may make any segment a ray's last.
+    if (SCENE_DEPTH) {
+        from = 0.0;
+    }
+    if (JITTER) {
+        from = -1.0;
+    }
+    return from;
+}
+
+float samples_to() {
+    float to = 0.5;
+    if (CLASSIFICATION == PREINTEGRATED) {
+        to = 1.0;
+    }
+    if (JITTER) {
+        to = 1.0;
+    }
+    return to;
+}
+
+// Segments that are looked at together, as a power of two: those of a bit, or of four where cells between voxels are looked up as well.
+uint together_shift() {
+    uint shift = frame.beam_shift;
+    if (SHOWN_CELLS) {
+        shift += 2u;
+    }
+    return shift;
+}
+
+// Bits of the segments from `i` up to `end`, one for those that are looked at together; `i` goes on to where they are known. `mixed`:
+// some lie in blocks of which not every skip cell shows something.
+uint bits_of(Beam beam, inout uint i, uint end, inout bool mixed) {
+    float from = samples_from();
+    float to = samples_to();
+    uint shift = together_shift();
+    uint bits = 0u;
+    if (i < end) {
+        do {
+            uint bit = i >> shift;
+            uint next = (bit + 1u) << shift;
+            float first = float(i) + (next < beam.shortest ? from : min(from, 0.0));
+            vec3 rear_ix = clamp(beam.rear_ix + first * beam.rear_step_ix, vec3(0.0), volume.field_ix);
+            ivec3 cell = skip_cell_of(rear_ix);
+            uint word = skip_word(cell);
+            // The rest of these segments,
+            float last = float(next) - 1.0 + to;
+            vec3 far_ix = clamp(beam.front_ix + last * beam.front_step_ix, vec3(0.0), volume.field_ix);
+            ivec3 far_cell = skip_cell_of(far_ix);
+            uvec3 span = uvec3(abs(far_cell - cell));
+            bool empty = is_empty_box(word, beam.octants, span) || is_empty_box(skip_word(far_cell), ~beam.octants, span);
+            // and how many there are before the beam's front leaves the cube that the leap spans.
+            uint leap = leap_from(word, beam.heading.shift);
+            vec3 border_ix = border_of(cell, float(leap), float(SKIP_CELLS), beam.heading);
+            vec3 front_ix = beam.front_ix + float(i) * beam.front_step_ix;
+            float steps = steps_to_border(front_ix, beam.heading, border_ix);
+            // On an axis along which it does not move it may be outside all the time.
+            vec3 left_ix = (border_ix - front_ix) * (2.0 * beam.heading.ahead - 1.0);
+            steps = any(lessThan(left_ix, vec3(MARGIN_IX))) ? 0.0 : steps;
+            float inside = floor(clamp(steps + 1.0 - to - MARGIN_STEPS, 0.0, 1.0e9));
+            uint leapt = i + (leap > 0u && steps > 0.0 ? uint(inside) : 0u);
+            bool shown = !empty && leapt < next;
+            // Within a block of which every cell shows something the bits up to its border are known as well.
+            vec3 block_border_ix = border_of(block_of(rear_ix), 1.0, float(BLOCK_CELLS), beam.heading);
+            uint steps_inside = uint(clamp(steps_to_border(rear_ix, beam.heading, block_border_ix), 0.0, 1.0e9));
+            uint more = min(steps_inside >> shift, 31u - (bit & 31u));
+            more = word == WHOLE_BLOCK ? more : 0u;
+            mixed = mixed || shown && word != WHOLE_BLOCK;
+            bits |= shown ? ((2u << more) - 1u) << (bit & 31u) : 0u;
+            i = shown ? next + (more << shift) : max(leapt, next);
+        } while (i < end);
+    }
+    return bits;
+}
+
+// Each of 8 bits four times.
+uint fourfold(uint bits) {
+    bits = (bits | bits << 12) & 0x000f000fu;
+    bits = (bits | bits << 6) & 0x03030303u;
+    bits = (bits | bits << 3) & 0x11111111u;
+    return bits * 15u;
+}
+
+// Takes away the bits of segments that show nothing, a bit each, of words [word, end).
+uint refine(Beam beam, uint bits_at, uint word, uint end) {
+    float from = samples_from();
+    float to = samples_to();
+    ShownGrid grid = shown_grid();
+    uint all = 0u;
+    if (word < end) {
+        do {
+            uint rest = beam_runs[bits_at + word];
+            uint kept = 0u;
+            do {
+                uint bit = rest == 0u ? 0u : lowest_bit(rest);
+                uint segment = 32u * word + bit;
+                float first = float(segment) + (segment + 1u < beam.shortest ? from : min(from, 0.0));
+                float last = float(segment) + to;
+                bool found = may_show(grid, beam.rear_ix + first * beam.rear_step_ix, beam.front_ix + last * beam.front_step_ix);
+                kept |= found ? rest & (1u << bit) : 0u;
+                rest &= rest - 1u;
+            } while (rest != 0u);
+            beam_runs[bits_at + word] = kept;
+            all |= kept;
+            word++;
+        } while (word < end);
+    }
+    return all;
+}

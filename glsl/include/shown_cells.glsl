@@ -1,0 +1,54 @@
+// Where something may show: a bit for every cell between voxels, which tells of the next ones along all axes as well
+// (src/volume/shown_cells.rs). Includes volume.glsl first.
+
+layout(set = 0, binding = BINDING_SHOWN_CELLS, rg32ui) uniform readonly uimageBuffer i_shown_cells;
+
+const int SKIP_CELL_BITS = 2;
+
+// The bits of cells first .. last of a skip cell, each from 0 to 3.
+uvec2 bits_between(ivec3 first, ivec3 last) {
+    uvec3 along = (uvec3(2u) << uvec3(last)) - (uvec3(1u) << uvec3(first));
+    uint rows = (0x1111u << uint(4 * first.y)) & (0x1111u >> uint(12 - 4 * last.y));
+    uint slice = along.x * rows;
+    uvec2 slices = uvec2((along.z & 1u) | (along.z & 2u) << 15, (along.z >> 2 & 1u) | (along.z & 8u) << 13);
+    return slice * slices;
+}
+
+// What boxes are looked up by: copies of parameters, which llvmpipe loads again wherever a block is named.
+struct ShownGrid {
+    vec3 field_ix;
+    ivec3 last_cell;
+    ivec2 strides;  // from a row of skip cells to the next, and from a layer
+};
+
+ShownGrid shown_grid() {
+    ivec3 extent = volume.skip_extent;
+    return ShownGrid(volume.field_ix, ivec3(volume.field_ix) - 1, ivec2(extent.x, extent.x * extent.y));
+}
+
+// Whether something may show in a box between two corners.
+bool may_show(ShownGrid grid, vec3 a_ix, vec3 b_ix) {
+    ivec3 low = min(ivec3(clamp(min(a_ix, b_ix), vec3(0.0), grid.field_ix)), grid.last_cell);
+    // Bits tell of the last cells of the box as well.
+    ivec3 high = max(low, min(ivec3(clamp(max(a_ix, b_ix), vec3(0.0), grid.field_ix)), grid.last_cell) - 1);
+    ivec3 first = low >> SKIP_CELL_BITS;
+    ivec3 last = high >> SKIP_CELL_BITS;
+    ivec3 cell = first;
+    bool found = false;
+    bool more;
+    do {
+        ivec3 origin = cell << SKIP_CELL_BITS;
+        uvec2 asked = bits_between(max(low - origin, 0), min(high - origin, SKIP_CELLS - 1));
+        uvec2 bits = imageLoad(i_shown_cells, cell.x + cell.y * grid.strides.x + cell.z * grid.strides.y).xy & asked;
+        found = found || (bits.x | bits.y) != 0u;
+        more = !found && cell != last;
+        bool next_y = cell.x == last.x;
+        bool next_z = next_y && cell.y == last.y;
+        cell = ivec3(
+            next_y ? first.x : cell.x + 1,
+            next_z ? first.y : next_y ? cell.y + 1 : cell.y,
+            next_z ? cell.z + 1 : cell.z
+        );
+    } while (more);
+    return found;
+}

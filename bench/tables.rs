@@ -136,8 +136,8 @@ fn counters(run: &Run) -> Table {
     };
     Table {
         title: "Counters",
-        note: "They are the same on every machine, but for rounding at borders of cells, and for what beams sample \
-               more, which are cast where the processor is the device. Bytes staged and bytes on the device \
+        note: "They are the same on every machine, but for rounding at borders of cells, and for samples that show nothing where \
+               there are beams, which are cast where the processor is the device. Bytes staged and bytes on the device \
                are in multiples of the voxels' bytes; pictures are not counted, and packed corners, which only drivers that \
                filter on the processor have, stand apart."
             .into(),

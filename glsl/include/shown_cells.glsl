@@ -5,6 +5,9 @@ layout(set = 0, binding = BINDING_SHOWN_CELLS, rg32ui) uniform readonly uimageBu
 
 const int SKIP_CELL_BITS = 2;
 
+// Skip cells that are looked up for a box, at most: larger ones are not worth it, and rounds of loops are counted (check_rounds, draw.rs).
+const int MOST_CELLS = 16;
+
 // The bits of cells first .. last of a skip cell, each from 0 to 3.
 uvec2 bits_between(ivec3 first, ivec3 last) {
     uvec3 along = (uvec3(2u) << uvec3(last)) - (uvec3(1u) << uvec3(first));
@@ -26,7 +29,7 @@ ShownGrid shown_grid() {
     return ShownGrid(volume.field_ix, ivec3(volume.field_ix) - 1, ivec2(extent.x, extent.x * extent.y));
 }
 
-// Whether something may show in a box between two corners.
+// Whether something may show in a box between two corners; true of large boxes.
 bool may_show(ShownGrid grid, vec3 a_ix, vec3 b_ix) {
     ivec3 low = min(ivec3(clamp(min(a_ix, b_ix), vec3(0.0), grid.field_ix)), grid.last_cell);
     // Bits tell of the last cells of the box as well.
@@ -34,7 +37,8 @@ bool may_show(ShownGrid grid, vec3 a_ix, vec3 b_ix) {
     ivec3 first = low >> SKIP_CELL_BITS;
     ivec3 last = high >> SKIP_CELL_BITS;
     ivec3 cell = first;
-    bool found = false;
+    ivec3 cells = last - first + 1;
+    bool found = cells.x * cells.y * cells.z > MOST_CELLS;
     bool more;
     do {
         ivec3 origin = cell << SKIP_CELL_BITS;
@@ -44,11 +48,12 @@ bool may_show(ShownGrid grid, vec3 a_ix, vec3 b_ix) {
         more = !found && cell != last;
         bool next_y = cell.x == last.x;
         bool next_z = next_y && cell.y == last.y;
-        cell = ivec3(
+        ivec3 next = ivec3(
             next_y ? first.x : cell.x + 1,
             next_z ? first.y : next_y ? cell.y + 1 : cell.y,
             next_z ? cell.z + 1 : cell.z
         );
+        cell = more ? next : cell;
     } while (more);
     return found;
 }

@@ -1,11 +1,12 @@
 //! Beams: where along the rays of a few neighbouring pixels something may show.
 //!
-//! Reads   skip (SampledGeneral)
+//! Reads   skip, bits of cells between voxels (SampledGeneral)
 //! Writes  bits of every beam, the list of beams that show something and its length by tile (Storage); the target and the depths of
 //!         pixels of the others (Storage), unless the target holds there what it should
 //! Grid    one invocation for 4x2 pixels, one dispatch a tile
 //! Method  a box around the rays moves along them and leaps by the same cubes as rays do; beam optimization as of Laine and Karras,
-//!         "Efficient sparse voxel octrees", 2010, with bits for all of the ray instead of where it begins
+//!         "Efficient sparse voxel octrees", 2010, with bits for all of the ray instead of where it begins; segments that are left
+//!         are looked up among cells between voxels, where few of those show something
 //! Limits  positions in a tile have 16 bits
 //! Twin    none: pictures with and without are compared bit by bit (tests/properties/beams.rs)
 

@@ -12,7 +12,8 @@ use crate::gpu::Context;
 use crate::pass::beams::{BeamCounts, BeamLengths, Beams};
 use crate::scene::Shading;
 
-/// Words of bits for a beam, at most: with the shortest runs of segments they are enough for rays of a thousand segments.
+/// Words of bits for a beam, at most, where a bit stands for a run of segments: with the shortest runs they are enough for rays of a
+/// thousand segments.
 const MOST_WORDS: u32 = 8;
 
 /// Bits for each of the shortest runs where cells between voxels are looked up, one for every segment of it.
@@ -34,7 +35,7 @@ const MOST_SHOWN_OF_DEAR: f64 = 0.9;
 /// Segments of the shortest runs, as a power of two. A skip cell is as many voxels long.
 const SHORTEST_SHIFT: u32 = 2;
 
-/// Bits for rays of so many segments. `singly`: one for each segment, where that is not too many.
+/// Bits for rays of so many segments. `singly`: one for each segment, of rays of up to 2048.
 fn lengths(segments: f64, singly: bool) -> BeamLengths {
     let words = |shift: u32| (segments / f64::from(32 << shift)).ceil().max(1.0);
     let shift = (SHORTEST_SHIFT..SHORTEST_SHIFT + 16)
@@ -85,21 +86,28 @@ impl Loaded {
         if !serves || !self.has_narrow_pixels(rays, size_px, WIDEST_PIXEL) {
             return Ok(None);
         }
-        // Those of the longest way, the one that a jittered start adds, and one for rounding.
-        let singly = self.images.shown_cells.is_some()
+        let look_up = self.images.shown_cells.is_some()
             && self.has_narrow_pixels(rays, size_px, WIDEST_FOR_CELLS);
-        let lengths = lengths(self.longest_mm() / self.step_mm() + 2.0, singly);
+        // Those of the longest way, the one that a jittered start adds, and one for rounding.
+        let segments = self.longest_mm() / self.step_mm() + 2.0;
         let counts = BeamCounts::of(size_px, self.march_tile());
-        if counts.run_bytes(lengths.words) > capabilities.max_storage_bytes {
-            return Ok(None);
+        let mut kept = kept;
+        // Fewer bits where single ones are too many.
+        for singly in [true, false] {
+            let lengths = lengths(segments, singly && look_up);
+            if counts.run_bytes(lengths.words) > capabilities.max_storage_bytes {
+                continue;
+            }
+            kept = kept.filter(|beams| beams.serve(counts, lengths.words));
+            if let Some(beams) = kept {
+                return Ok(Some((beams, lengths)));
+            }
+            match Beams::new(context, NAME, counts, lengths.words) {
+                Err(Error::OutOfMemory { .. }) => {}
+                made => return Ok(Some((made?, lengths))),
+            }
         }
-        if let Some(beams) = kept.filter(|beams| beams.serve(counts, lengths.words)) {
-            return Ok(Some((beams, lengths)));
-        }
-        match Beams::new(context, NAME, counts, lengths.words) {
-            Err(Error::OutOfMemory { .. }) => Ok(None),
-            made => Ok(Some((made?, lengths))),
-        }
+        Ok(None)
     }
 
     /// True where pixels are at most so many voxels apart in the middle of the volume.

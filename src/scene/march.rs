@@ -124,7 +124,7 @@ pub struct March {
     /// Skip regions that the transfer function makes invisible; changes no pixel. Default on.
     pub empty_space_skipping: bool,
     /// Where the processor is the device, find out for 4 x 2 pixels together where something may show, unless those are farther apart
-    /// than two voxels; changes no pixel, but takes more samples that show nothing. Default on.
+    /// than two voxels; changes no pixel, but which samples that show nothing are taken. Default on.
     pub beams: bool,
     /// Interpolate across the borders of blocks. Off: each block by itself, as in Hernell et al. Default on.
     pub inter_block_interpolation: bool,

@@ -2,30 +2,19 @@
 
 // Where along a segment samples may lie: at its middle, or from its start, or that of the one before where rays start anywhere in
 // a step, to its end. The middle of a ray's last one, which is shorter, is nearer to its start.
-float samples_from() {
-    float from = 0.5;
+vec2 samples_between() {
+    vec2 between = vec2(0.5);
     if (CLASSIFICATION == PREINTEGRATED) {
-        from = 0.0;
+        between = vec2(0.0, 1.0);
     }
     // The host's geometry may make any segment a ray's last.
     if (SCENE_DEPTH) {
-        from = 0.0;
+        between.x = 0.0;
     }
     if (JITTER) {
-        from = -1.0;
+        between = vec2(-1.0, 1.0);
     }
-    return from;
-}
-
-float samples_to() {
-    float to = 0.5;
-    if (CLASSIFICATION == PREINTEGRATED) {
-        to = 1.0;
-    }
-    if (JITTER) {
-        to = 1.0;
-    }
-    return to;
+    return between;
 }
 
 // Segments that are looked at together, as a power of two: those of a bit, or of four where cells between voxels are looked up as well.
@@ -40,8 +29,9 @@ uint together_shift() {
 // Bits of the segments from `i` up to `end`, one for those that are looked at together; `i` goes on to where they are known. `mixed`:
 // some lie in blocks of which not every skip cell shows something.
 uint bits_of(Beam beam, inout uint i, uint end, inout bool mixed) {
-    float from = samples_from();
-    float to = samples_to();
+    vec2 between = samples_between();
+    float from = between.x;
+    float to = between.y;
     uint shift = together_shift();
     uint bits = 0u;
     if (i < end) {
@@ -92,8 +82,9 @@ uint fourfold(uint bits) {
 
 // Takes away the bits of segments that show nothing, a bit each, of words [word, end).
 uint refine(Beam beam, uint bits_at, uint word, uint end) {
-    float from = samples_from();
-    float to = samples_to();
+    vec2 between = samples_between();
+    float from = between.x;
+    float to = between.y;
     ShownGrid grid = shown_grid();
     uint all = 0u;
     if (word < end) {

@@ -109,20 +109,19 @@ impl VisibleEnds {
                 _ => intervals.push([low, end]),
             }
         }
-        // Ends of those after which the widest gaps lie.
-        let mut ends: Vec<usize> = (1..intervals.len()).collect();
-        ends.sort_by_key(|&at| intervals[at - 1][1] - intervals[at][0]);
-        ends.truncate(most.max(1) - 1);
-        ends.sort_unstable();
-        ends.push(intervals.len());
-        let mut start = 0;
-        let merged = ends.into_iter().filter(|_| !intervals.is_empty());
+        // Groups that the widest gaps part.
+        let mut starts: Vec<usize> = (1..intervals.len()).collect();
+        starts.sort_by_key(|&at| intervals[at - 1][1] - intervals[at][0]);
+        starts.truncate(most.max(1) - 1);
+        let joins = |at: usize| !starts.contains(&at);
+        let mut merged: Vec<[i32; 2]> = Vec::new();
+        for (at, interval) in intervals.iter().enumerate() {
+            match merged.last_mut() {
+                Some(last) if joins(at) => last[1] = interval[1],
+                _ => merged.push(*interval),
+            }
+        }
         merged
-            .map(|end| {
-                let first = std::mem::replace(&mut start, end);
-                [intervals[first][0], intervals[end - 1][1]]
-            })
-            .collect()
     }
 
     /// `None` for what does not begin and end at integers that the volume may have.

@@ -51,7 +51,6 @@ bool searches_on(bool found) {
 
 // Adds what a segment shows. `b`: the brick at its middle.
 void add_segment(inout Accumulated acc, Ray ray, Brick b, Segment segment, Classified c) {
-    acc.samples += 1u;
     vec3 p_ix = ray_position(ray, segment.middle, volume.field_ix);
     apply_data_color(b, p_ix, c.color);
     apply_label(p_ix, c.color, c.opacity);
@@ -66,6 +65,25 @@ void add_segment(inout Accumulated acc, Ray ray, Brick b, Segment segment, Class
         gather_depth(acc, c.opacity, depth_mm(ray, segment.middle), frame.depth_threshold);
     }
     composite(acc, c.color + c.emission, c.opacity);
+}
+
+// Two segments at once, of packed corners: what a sample reads, computes and adds is a long chain of steps that wait for each other, and
+// processors get no farther meanwhile than they look ahead.
+layout(constant_id = SPEC_PAIRED) const bool PAIRED = false;
+
+// Adds what two segments show over whole steps, the second only if `both`. `b`: the brick at their middles.
+void add_pair(inout Accumulated acc, Ray ray, Brick b, Segment segments[2], Classified shown[2], bool both) {
+    bool on = true;
+    // (A loop, though of two rounds: drivers translate and inline all of a module before they know what a variant needs of it.)
+    for (int n = 0; n < 2; ++n) {
+        Classified c = shown[n];
+        c.opacity = JITTER ? opacity_over(c.opacity, segments[n].extent) : c.opacity;
+        // Without opacity it adds nothing. (A branch would take longer.)
+        c.opacity = on ? c.opacity : 0.0;
+        acc.samples += uint(on);
+        add_segment(acc, ray, b, segments[n], c);
+        on = both && acc.opacity < frame.early_termination;
+    }
 }
 
 #ifdef MARCH_ENDS
@@ -98,6 +116,7 @@ void main() {
         Classified c;
         bool sampled = classify_last(ray, count, shift, last, b, c);
         if (sampled) {
+            ++acc.samples;
             add_segment(acc, ray, b, last, c);
         }
     }

@@ -44,20 +44,36 @@ vec4 transfer_texel(int bin, int row) {
     return LOADS ? imageLoad(i_transfer, ivec2(bin, row)) : texelFetch(t_transfer, ivec2(bin, row), 0);
 }
 
-// For the march.
-Classified classify(float value, float unit_exponent) {
+// A bin as the table has it, and where in it a value lies.
+struct Bin {
+    vec4 start;
+    vec4 end;
     float f;
-    int bin = bin_of(value, f);
-    vec4 start = transfer_texel(bin, 0);
-    vec4 end = transfer_texel(bin, 1);
+    int number;
+};
+
+Bin bin_at(float value) {
+    Bin b;
+    b.number = bin_of(value, b.f);
+    b.start = transfer_texel(b.number, 0);
+    b.end = transfer_texel(b.number, 1);
+    return b;
+}
+
+Classified classify_in(Bin b, float unit_exponent) {
     Classified c;
-    c.color = mix(start.rgb, end.rgb, f);
-    c.opacity = bin_opacity(start.a, end.a, f, unit_exponent);
+    c.color = mix(b.start.rgb, b.end.rgb, b.f);
+    c.opacity = bin_opacity(b.start.a, b.end.a, b.f, unit_exponent);
     c.emission = vec3(0.0);
     if (EMISSION) {
-        c.emission = mix(transfer_texel(bin, 2).rgb, transfer_texel(bin, 3).rgb, f);
+        c.emission = mix(transfer_texel(b.number, 2).rgb, transfer_texel(b.number, 3).rgb, b.f);
     }
     return c;
+}
+
+// For the march.
+Classified classify(float value, float unit_exponent) {
+    return classify_in(bin_at(value), unit_exponent);
 }
 
 // For the light pass, which needs no colour.

@@ -32,8 +32,9 @@ void composite(inout Accumulated acc, vec3 color, float alpha) {
 
 // Adds what a sample of opacity `alpha` at a depth says of depths; called before composite().
 void gather_depth(inout Accumulated acc, float alpha, float depth_mm, float threshold) {
-    float weight = (1.0 - acc.opacity) * alpha;
-    float after = acc.opacity + weight;
+    // As composite() has it: a sample without opacity reaches no threshold that the last one did not.
+    precise float weight = (1.0 - acc.opacity) * alpha;
+    precise float after = acc.opacity + weight;
     acc.depth_sum += weight * depth_mm;
     acc.depth_mm = isinf(acc.depth_mm) && after >= threshold ? depth_mm : acc.depth_mm;
     acc.median_mm = isinf(acc.median_mm) && after >= MEDIAN_OPACITY ? depth_mm : acc.median_mm;

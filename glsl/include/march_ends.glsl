@@ -22,6 +22,45 @@ Classified classify_between(Ray ray, Node front, Node back, uint i, uint count, 
     return c;
 }
 
+// Of segments from `i` up to `end`, adds the first that shows something. `front`: the start of segment `i`, that of the next one
+// afterwards. Returns the next one.
+uint add_next(inout Accumulated acc, Ray ray, inout Node front, uint i, uint end, uint count, float shift) {
+    Node back;
+    Classified c;
+    bool more;
+    do {
+        back = node_at(node_position(ray, i + 1u, count, shift), front.brick);
+        c = classify_between(ray, front, back, i, count, shift);
+        more = searches_on(c.opacity != 0.0) && i + 1u < end;
+        acc.samples += uint(more);
+        i += uint(more);
+        if (more) {
+            front = back;
+        }
+    } while (more);
+    Segment segment = inner_segment(i, shift);
+    c.opacity = JITTER ? opacity_over(c.opacity, segment.extent) : c.opacity;
+    Brick b = brick_near(ray_position(ray, segment.middle, volume.field_ix), back.brick);
+    ++acc.samples;
+    add_segment(acc, ray, b, segment, c);
+    front = back;
+    return i + 1u;
+}
+
+// Adds two of them, or one where there is no other, where the atlas is the volume.
+uint add_next_pair(inout Accumulated acc, Ray ray, inout Node front, uint i, uint end, uint count, float shift) {
+    vec3 middle_ix = node_position(ray, i + 1u, count, shift);
+    vec3 back_ix = node_position(ray, i + 2u, count, shift);
+    vec2 values = reconstruct_pair(front.brick, middle_ix, back_ix);
+    float middle = table_place(values.x);
+    float back = table_place(values.y);
+    Segment segments[2] = Segment[](inner_segment(i, shift), inner_segment(i + 1u, shift));
+    Classified shown[2] = Classified[](classify_step(front.place, middle), classify_step(middle, back));
+    add_pair(acc, ray, front.brick, segments, shown, i + 1u < end);
+    front.place = back;
+    return min(i + 2u, end);
+}
+
 // The first `whole` of `count` segments, sampled at their ends and integrated between.
 void march_whole(inout Accumulated acc, Ray ray, uint bits_at, uint whole, uint count, float shift) {
     uint i = 0u;
@@ -40,25 +79,8 @@ void march_whole(inout Accumulated acc, Ray ray, uint bits_at, uint whole, uint 
                 vec3 front_ix = node_position(ray, i, count, shift);
                 Node front = node_at(front_ix, brick_at(front_ix));
                 do {
-                    Node back;
-                    Classified c;
-                    bool more;
-                    do {
-                        back = node_at(node_position(ray, i + 1u, count, shift), front.brick);
-                        c = classify_between(ray, front, back, i, count, shift);
-                        more = searches_on(c.opacity != 0.0) && i + 1u < run.end;
-                        acc.samples += uint(more);
-                        i += uint(more);
-                        if (more) {
-                            front = back;
-                        }
-                    } while (more);
-                    Segment segment = inner_segment(i, shift);
-                    c.opacity = JITTER ? opacity_over(c.opacity, segment.extent) : c.opacity;
-                    Brick b = brick_near(ray_position(ray, segment.middle, volume.field_ix), back.brick);
-                    add_segment(acc, ray, b, segment, c);
-                    front = back;
-                    ++i;
+                    i = PAIRED ? add_next_pair(acc, ray, front, i, run.end, count, shift)
+                               : add_next(acc, ray, front, i, run.end, count, shift);
                 } while (i < run.end && acc.opacity < frame.early_termination);
             }
         } while (i < whole && acc.opacity < frame.early_termination);

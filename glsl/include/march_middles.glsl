@@ -11,6 +11,72 @@ Classified classify_middle(Ray ray, Brick b, Segment segment, bool shorter) {
     return c;
 }
 
+// Samples two segments at their middles, in one brick.
+Classified[2] classify_middles(Ray ray, Brick b, Segment segments[2]) {
+    vec3 first_ix = ray_position(ray, segments[0].middle, volume.field_ix);
+    vec3 second_ix = ray_position(ray, segments[1].middle, volume.field_ix);
+    vec2 values = reconstruct_pair(b, first_ix, second_ix);
+    Bin bins[2] = Bin[](bin_at(values.x), bin_at(values.y));
+    Classified shown[2] = Classified[](classify_in(bins[0], frame.unit_exponent), classify_in(bins[1], frame.unit_exponent));
+    return shown;
+}
+
+// Of segments listed in a word, a bit each, adds the first that shows something, of those up to it. Returns the others.
+uint add_listed(inout Accumulated acc, Ray ray, Brick b, uint word, uint bits, float shift) {
+    uint at;
+    Segment segment;
+    Classified c;
+    bool more;
+    do {
+        at = 32u * word + lowest_bit(bits);
+        segment = inner_segment(at, shift);
+        c = classify_middle(ray, b, segment, JITTER);
+        uint others = bits & (bits - 1u);
+        more = searches_on(c.opacity != 0.0) && others != 0u;
+        acc.samples += uint(more);
+        bits = more ? others : bits;
+    } while (more);
+    ++acc.samples;
+    add_segment(acc, ray, b, segment, c);
+    // As `others` it would be computed in the loop: lavapipe then has it in place of what rays that found something first
+    // are still computed from.
+    return bits & ~(1u << (at & 31u));
+}
+
+// Adds two of them, or one where there is no other.
+uint add_listed_pair(inout Accumulated acc, Ray ray, Brick b, uint word, uint bits, float shift) {
+    uint others = bits & (bits - 1u);
+    Segment first = inner_segment(32u * word + lowest_bit(bits), shift);
+    Segment second = inner_segment(32u * word + lowest_bit(others == 0u ? bits : others), shift);
+    Segment segments[2] = Segment[](first, second);
+    add_pair(acc, ray, b, segments, classify_middles(ray, b, segments), others != 0u);
+    return others & (others - 1u);
+}
+
+// Of segments from `i` up to `end`, adds the first that shows something. Returns the one after it.
+uint add_next(inout Accumulated acc, Ray ray, Brick b, uint i, uint end, float shift) {
+    Segment segment;
+    Classified c;
+    bool more;
+    do {
+        segment = inner_segment(i, shift);
+        c = classify_middle(ray, b, segment, JITTER);
+        more = searches_on(c.opacity != 0.0) && i + 1u < end;
+        acc.samples += uint(more);
+        i += uint(more);
+    } while (more);
+    ++acc.samples;
+    add_segment(acc, ray, b, segment, c);
+    return i + 1u;
+}
+
+// Adds two of them, or one where there is no other.
+uint add_next_pair(inout Accumulated acc, Ray ray, Brick b, uint i, uint end, float shift) {
+    Segment segments[2] = Segment[](inner_segment(i, shift), inner_segment(i + 1u, shift));
+    add_pair(acc, ray, b, segments, classify_middles(ray, b, segments), i + 1u < end);
+    return min(i + 2u, end);
+}
+
 // The first `whole` segments, at least one, of those that the beam lists, a bit each.
 void march_listed(inout Accumulated acc, Ray ray, uint bits_at, uint whole, float shift) {
     uint words = min((whole + 31u) / 32u, frame.beam_words);
@@ -28,23 +94,7 @@ void march_listed(inout Accumulated acc, Ray ray, uint bits_at, uint whole, floa
         if (bits != 0u) {
             Brick b = brick_at(ray_position(ray, inner_segment(32u * word + lowest_bit(bits), shift).middle, volume.field_ix));
             do {
-                uint at;
-                Segment segment;
-                Classified c;
-                bool more;
-                do {
-                    at = 32u * word + lowest_bit(bits);
-                    segment = inner_segment(at, shift);
-                    c = classify_middle(ray, b, segment, JITTER);
-                    uint others = bits & (bits - 1u);
-                    more = searches_on(c.opacity != 0.0) && others != 0u;
-                    acc.samples += uint(more);
-                    bits = more ? others : bits;
-                } while (more);
-                add_segment(acc, ray, b, segment, c);
-                // As `others` it would be computed in the loop: lavapipe then has it in place of what rays that found something first
-                // are still computed from.
-                bits &= ~(1u << (at & 31u));
+                bits = PAIRED ? add_listed_pair(acc, ray, b, word, bits, shift) : add_listed(acc, ray, b, word, bits, shift);
             } while (bits != 0u && acc.opacity < frame.early_termination);
         }
         ++word;
@@ -85,18 +135,7 @@ void march_whole(inout Accumulated acc, Ray ray, uint bits_at, uint whole, uint 
             i = b.resident ? i : run_end;
             if (i < run_end) {
                 do {
-                    Segment segment;
-                    Classified c;
-                    bool more;
-                    do {
-                        segment = inner_segment(i, shift);
-                        c = classify_middle(ray, b, segment, JITTER);
-                        more = searches_on(c.opacity != 0.0) && i + 1u < run_end;
-                        acc.samples += uint(more);
-                        i += uint(more);
-                    } while (more);
-                    add_segment(acc, ray, b, segment, c);
-                    ++i;
+                    i = PAIRED ? add_next_pair(acc, ray, b, i, run_end, shift) : add_next(acc, ray, b, i, run_end, shift);
                 } while (i < run_end && acc.opacity < frame.early_termination);
             }
         } while (i < whole && acc.opacity < frame.early_termination);

@@ -24,32 +24,70 @@ vec4 corners_in(uvec4 texel, ivec2 cell) {
     return vec4(pair & 0xffu, (pair >> 8) & 0xffu);
 }
 
-// The trilinear field at a place of the atlas, in texels of it from the middle of its first.
-float packed_linear(vec3 at) {
+// The cell around a place: where its two texels lie, which four corners of each it has, and where between them the place is.
+struct PackedCell {
+    int near;
+    int far;
+    ivec2 cell;
+    vec3 f;
+};
+
+struct CellTexels {
+    uvec4 near;
+    uvec4 far;
+};
+
+// `at`: in texels of the atlas from the middle of its first.
+PackedCell packed_cell(vec3 at) {
     ivec3 i = ivec3(at);
-    vec3 f = at - vec3(i);
     ivec3 texel = ivec3(third_of(i.x), i.yz);
-    ivec2 cell = ivec2(i.x - CELLS_A_ROW * texel.x, 0);
+    PackedCell c;
+    c.f = at - vec3(i);
+    c.cell = ivec2(i.x - CELLS_A_ROW * texel.x, 0);
     if (PACKED_CELLS == 1u) {
         texel.y = third_of(i.y);
-        cell.y = i.y - CELLS_A_ROW * texel.y;
+        c.cell.y = i.y - CELLS_A_ROW * texel.y;
     }
-    int place = packed_place(texel, ivec2(volume.pages.xy));
+    c.near = packed_place(texel, ivec2(volume.pages.xy));
     // The next slice is the next texel, or in the next page.
     int last_z = (1 << packed_page_bits().z) - 1;
     int layer = int(volume.pages.y) * PACKED_PAGE_TEXELS;
-    int next = place + ((texel.z & last_z) == last_z ? layer - last_z : 1);
-    vec4 near = corners_in(imageLoad(i_packed_cells, place), cell);
-    vec4 far = corners_in(imageLoad(i_packed_cells, next), cell);
+    c.far = c.near + ((texel.z & last_z) == last_z ? layer - last_z : 1);
+    return c;
+}
+
+CellTexels load_cell(PackedCell c) {
+    return CellTexels(imageLoad(i_packed_cells, c.near), imageLoad(i_packed_cells, c.far));
+}
+
+float packed_between(PackedCell c, CellTexels texels) {
+    vec4 near = corners_in(texels.near, c.cell);
+    vec4 far = corners_in(texels.far, c.cell);
     // Not mix(), which may miss the value that both ends have: flat places would have gradients.
     vec4 low = vec4(near.xy, far.xy);
     vec4 high = vec4(near.zw, far.zw);
-    precise vec4 rows = low + (high - low) * f.x;
-    precise vec2 slices = rows.xz + (rows.yw - rows.xz) * f.y;
-    precise float value = slices.x + (slices.y - slices.x) * f.z;
+    precise vec4 rows = low + (high - low) * c.f.x;
+    precise vec2 slices = rows.xz + (rows.yw - rows.xz) * c.f.y;
+    precise float value = slices.x + (slices.y - slices.x) * c.f.z;
     float largest = 255.0;
     if (PACKED_CELLS == 2u) {
         largest = 65535.0;
     }
     return value * (1.0 / largest);
+}
+
+// The trilinear field at a place of the atlas.
+float packed_linear(vec3 at) {
+    PackedCell c = packed_cell(at);
+    return packed_between(c, load_cell(c));
+}
+
+// At two places, by turns: a sample is a long chain of steps that wait for each other, and processors look no farther ahead than
+// about half of one.
+vec2 packed_linear_pair(vec3 first_at, vec3 second_at) {
+    PackedCell first = packed_cell(first_at);
+    PackedCell second = packed_cell(second_at);
+    CellTexels first_texels = load_cell(first);
+    CellTexels second_texels = load_cell(second);
+    return vec2(packed_between(first, first_texels), packed_between(second, second_texels));
 }

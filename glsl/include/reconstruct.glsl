@@ -54,6 +54,11 @@ float reconstruct_linear(Brick b, vec3 local) {
     return packed_linear(b.origin_at + local);
 }
 
+// At two positions at once, of packed corners.
+vec2 reconstruct_pair(Brick b, vec3 first_ix, vec3 second_ix) {
+    return packed_linear_pair(b.origin_at + brick_local(b, first_ix), b.origin_at + brick_local(b, second_ix));
+}
+
 // The trilinear field at any position, beyond the volume that of its border. `near` stands in where nothing is resident.
 float field_linear(Brick near, vec3 p_ix) {
     p_ix = clamp(p_ix, vec3(0.0), volume.field_ix);

@@ -126,6 +126,8 @@ pub(crate) struct PictureVariant {
     pub(crate) searched: bool,
     /// Subgroups do so together, where there is a module for the target.
     pub(crate) votes: bool,
+    /// Rays take samples two by two.
+    pub(crate) paired: bool,
     pub(crate) jitter: bool,
     pub(crate) aux: bool,
     pub(crate) scene_depth: bool,
@@ -201,6 +203,7 @@ impl PictureVariant {
             (SPEC_CLEARED, self.cleared.into()),
             (SPEC_SEARCHED, self.searched.into()),
             (SPEC_SHOWN_CELLS, self.shown_cells.into()),
+            (SPEC_PAIRED, self.paired.into()),
             (SPEC_JITTER, self.jitter.into()),
             (SPEC_AUX, self.aux.into()),
             (SPEC_SCENE_DEPTH, self.scene_depth.into()),

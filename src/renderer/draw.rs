@@ -18,7 +18,7 @@ use crate::pass::beams::BeamLengths;
 use crate::pass::picture::{PictureResources, PictureVariant};
 use crate::pass::scatter::ScatterVariant;
 use crate::pass::shadow::ShadowResources;
-use crate::scene::{OpticalModel, RayProjection, Shading};
+use crate::scene::{Classification, Interpolation, OpticalModel, RayProjection, Shading};
 use crate::shader::structs::{FrameParams, SurfaceParams, VolumeParams};
 
 /// Samples that one dispatch of the march takes at most: a quarter of a second at 0.5 billion a second.
@@ -260,10 +260,12 @@ impl Loaded {
         let searched = self.light.is_some()
             || self.labels.is_some()
             || diffuse && self.settings.composites() && self.searches_for_shading(context);
+        let reconstruction = self.reconstruction(lighting.emission);
+        let classification = march.classification();
         let variant = PictureVariant {
-            reconstruction: self.reconstruction(lighting.emission),
+            reconstruction,
             projection: march.projection,
-            classification: march.classification(),
+            classification,
             light: self.light.is_some(),
             diffuse,
             gradient: lighting.gradient,
@@ -275,6 +277,13 @@ impl Loaded {
             shown_cells: lengths.is_some_and(|lengths| lengths.singly),
             searched,
             votes: capabilities.votes && capabilities.loads_texels,
+            // Searches take samples one by one, and gradients read enough at once.
+            paired: reconstruction.packed_cells > 0
+                && reconstruction.interpolation == Interpolation::Linear
+                && reconstruction.uniform_grid
+                && classification != Classification::Pre
+                && !searched
+                && !diffuse,
             jitter: march.jitter,
             aux: frame.aux.is_some(),
             scene_depth: frame.depth.is_some(),

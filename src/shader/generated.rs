@@ -528,3 +528,5 @@ pub const SPEC_CLEARED: u32 = 35;
 pub const SPEC_SEARCHED: u32 = 36;
 
 pub const SPEC_SHOWN_CELLS: u32 = 37;
+
+pub const SPEC_PAIRED: u32 = 38;

@@ -35,6 +35,7 @@ macro_rules! march_spec_ids {
             SPEC_BEAMS,
             SPEC_SEARCHED,
             SPEC_SHOWN_CELLS,
+            SPEC_PAIRED,
         ]
     };
 }

@@ -8,6 +8,7 @@
 #include "bindings.glsl"
 #include "structs.glsl"
 #include "optical_depth.glsl"
+#include "loads.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -16,6 +17,7 @@ layout(constant_id = SPEC_EMISSION) const bool EMISSION = false;
 // Rows: antiderivatives of extinction times colour (rgb) and of extinction (a), high and low parts; of extinction times emission
 // (rgb), and the value (a), high and low; colour and extinction; emission. All over a whole step (src/atlas/preintegration.rs).
 layout(set = 0, binding = BINDING_INTEGRALS) uniform sampler2D t_integrals;
+layout(set = 0, binding = BINDING_INTEGRALS_LOADS, rgba32f) uniform readonly image2D i_integrals;
 layout(set = 0, binding = BINDING_PREINTEGRATED_STORE, rgba32f) uniform writeonly image2D i_table;
 layout(set = 0, binding = BINDING_PREINTEGRATED_EMISSION_STORE, rgba32f) uniform writeonly image2D i_emission;
 
@@ -28,8 +30,12 @@ struct Integral {
     vec4 low;
 };
 
+vec4 integral_texel(int entry, int row) {
+    return LOADS ? imageLoad(i_integrals, ivec2(entry, row)) : texelFetch(t_integrals, ivec2(entry, row), 0);
+}
+
 Integral integral_at(int entry, int row) {
-    return Integral(texelFetch(t_integrals, ivec2(entry, row), 0), texelFetch(t_integrals, ivec2(entry, row + 1), 0));
+    return Integral(integral_texel(entry, row), integral_texel(entry, row + 1));
 }
 
 vec4 difference(Integral from, Integral to) {
@@ -53,11 +59,11 @@ void main() {
     float length = front == back ? 0.0 : difference(emission_front, integral_at(back, 2)).a;
     // Where the function jumps, two entries have the same value.
     if (length == 0.0) {
-        vec4 here = texelFetch(t_integrals, ivec2(front, 4), 0);
+        vec4 here = integral_texel(front, 4);
         opacity = opacity_of(here.a);
         radiance = here.rgb * opacity;
         if (EMISSION) {
-            emitted = texelFetch(t_integrals, ivec2(front, 5), 0).rgb * opacity;
+            emitted = integral_texel(front, 5).rgb * opacity;
         }
     } else {
         float per_length = 1.0 / length;

@@ -269,7 +269,7 @@ impl TableImages {
             vk::ImageUsageFlags::STORAGE,
         );
         Ok(Self {
-            integrals: image("integrals", [entries, INTEGRAL_ROWS], copied)?,
+            integrals: image("integrals", [entries, INTEGRAL_ROWS], copied | stored)?,
             table: image("preintegrated", [entries; 2], stored)?,
             emission: image(
                 "preintegrated_emission",

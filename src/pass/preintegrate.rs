@@ -1,6 +1,6 @@
 //! The table of pre-integrated classification.
 //!
-//! Reads   integrals along the transfer function (SampledRead)
+//! Reads   integrals along the transfer function (SampledGeneral)
 //! Writes  the table, and that of emission (Storage)
 //! Grid    one invocation an entry
 //! Method  Engel, Kraus and Ertl 2001; exact integrals of up to 16 parts an entry, composited
@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 
-use super::{Variants, sampled};
+use super::{Variants, use_texels};
 use crate::atlas::TableImages;
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Recorder, Sampler};
@@ -36,20 +36,23 @@ impl PreintegratePass {
         let pipeline = self
             .variants
             .get(context, &interface::PREINTEGRATE, constants)?;
-        recorder.use_image(&images.integrals, Access::SampledRead);
+        let integrals = use_texels(
+            recorder,
+            [BINDING_INTEGRALS, BINDING_INTEGRALS_LOADS],
+            &images.integrals,
+            nearest,
+        );
         recorder.use_image(&images.table, Access::Storage);
         recorder.use_image(&images.emission, Access::Storage);
-        let bound = [
-            (BINDING_INTEGRALS, sampled(&images.integrals, nearest)),
-            (
-                BINDING_PREINTEGRATED_STORE,
-                Bound::StorageImage(&images.table),
-            ),
-            (
-                BINDING_PREINTEGRATED_EMISSION_STORE,
-                Bound::StorageImage(&images.emission),
-            ),
-        ];
+        let mut bound = Vec::from(integrals);
+        bound.push((
+            BINDING_PREINTEGRATED_STORE,
+            Bound::StorageImage(&images.table),
+        ));
+        bound.push((
+            BINDING_PREINTEGRATED_EMISSION_STORE,
+            Bound::StorageImage(&images.emission),
+        ));
         recorder.bind(pipeline, &bound)?;
         let [width, height, _] = images.table.extent();
         recorder.dispatch_plain(pipeline, [width.div_ceil(8), height.div_ceil(8), 1]);

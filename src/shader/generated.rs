@@ -453,6 +453,8 @@ pub const BINDING_GRADIENTS_STORE: u32 = 59;
 
 pub const BINDING_SHOWN_CELLS: u32 = 60;
 
+pub const BINDING_INTEGRALS_LOADS: u32 = 61;
+
 pub const SPEC_INTERPOLATION: u32 = 0;
 
 pub const SPEC_BLOCKS_APART: u32 = 1;

@@ -299,11 +299,12 @@ pub const PREINTEGRATE: PassInterface = PassInterface {
     module: &generated::PREINTEGRATE,
     bindings: &[
         sampled(BINDING_INTEGRALS),
+        storage_image(BINDING_INTEGRALS_LOADS, Access::Read),
         storage_image(BINDING_PREINTEGRATED_STORE, Access::Write),
         storage_image(BINDING_PREINTEGRATED_EMISSION_STORE, Access::Write),
     ],
     push_constants: None,
-    spec_ids: &[SPEC_EMISSION],
+    spec_ids: &[SPEC_EMISSION, SPEC_LOADS],
     local_size: [8, 8, 1],
 };
 

@@ -68,13 +68,15 @@ void add_segment(inout Accumulated acc, Ray ray, Brick b, Segment segment, Class
 }
 
 // Two segments at once, of packed corners: what a sample reads, computes and adds is a long chain of steps that wait for each other, and
-// processors get no farther meanwhile than they look ahead.
+// processors get no farther meanwhile than they look ahead. (Searches take one by one: a driver translates and inlines all of a module
+// before it knows what a variant needs, so the modules for those are without.)
+#ifndef VOTES
 layout(constant_id = SPEC_PAIRED) const bool PAIRED = false;
 
 // Adds what two segments show over whole steps, the second only if `both`. `b`: the brick at their middles.
 void add_pair(inout Accumulated acc, Ray ray, Brick b, Segment segments[2], Classified shown[2], bool both) {
     bool on = true;
-    // (A loop, though of two rounds: drivers translate and inline all of a module before they know what a variant needs of it.)
+    // (A loop, though of two rounds, for the same reason.)
     for (int n = 0; n < 2; ++n) {
         Classified c = shown[n];
         c.opacity = JITTER ? opacity_over(c.opacity, segments[n].extent) : c.opacity;
@@ -85,6 +87,7 @@ void add_pair(inout Accumulated acc, Ray ray, Brick b, Segment segments[2], Clas
         on = both && acc.opacity < frame.early_termination;
     }
 }
+#endif
 
 #ifdef MARCH_ENDS
 #include "march_ends.glsl"

@@ -47,6 +47,7 @@ uint add_next(inout Accumulated acc, Ray ray, inout Node front, uint i, uint end
     return i + 1u;
 }
 
+#ifndef VOTES
 // Adds two of them, or one where there is no other, where the atlas is the volume.
 uint add_next_pair(inout Accumulated acc, Ray ray, inout Node front, uint i, uint end, uint count, float shift) {
     vec3 middle_ix = node_position(ray, i + 1u, count, shift);
@@ -59,6 +60,17 @@ uint add_next_pair(inout Accumulated acc, Ray ray, inout Node front, uint i, uin
     add_pair(acc, ray, front.brick, segments, shown, i + 1u < end);
     front.place = back;
     return min(i + 2u, end);
+}
+#endif
+
+// Adds the next one, or two.
+uint add_some(inout Accumulated acc, Ray ray, inout Node front, uint i, uint end, uint count, float shift) {
+#ifndef VOTES
+    if (PAIRED) {
+        return add_next_pair(acc, ray, front, i, end, count, shift);
+    }
+#endif
+    return add_next(acc, ray, front, i, end, count, shift);
 }
 
 // The first `whole` of `count` segments, sampled at their ends and integrated between.
@@ -79,8 +91,7 @@ void march_whole(inout Accumulated acc, Ray ray, uint bits_at, uint whole, uint 
                 vec3 front_ix = node_position(ray, i, count, shift);
                 Node front = node_at(front_ix, brick_at(front_ix));
                 do {
-                    i = PAIRED ? add_next_pair(acc, ray, front, i, run.end, count, shift)
-                               : add_next(acc, ray, front, i, run.end, count, shift);
+                    i = add_some(acc, ray, front, i, run.end, count, shift);
                 } while (i < run.end && acc.opacity < frame.early_termination);
             }
         } while (i < whole && acc.opacity < frame.early_termination);

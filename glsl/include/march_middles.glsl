@@ -11,16 +11,6 @@ Classified classify_middle(Ray ray, Brick b, Segment segment, bool shorter) {
     return c;
 }
 
-// Samples two segments at their middles, in one brick.
-Classified[2] classify_middles(Ray ray, Brick b, Segment segments[2]) {
-    vec3 first_ix = ray_position(ray, segments[0].middle, volume.field_ix);
-    vec3 second_ix = ray_position(ray, segments[1].middle, volume.field_ix);
-    vec2 values = reconstruct_pair(b, first_ix, second_ix);
-    Bin bins[2] = Bin[](bin_at(values.x), bin_at(values.y));
-    Classified shown[2] = Classified[](classify_in(bins[0], frame.unit_exponent), classify_in(bins[1], frame.unit_exponent));
-    return shown;
-}
-
 // Of segments listed in a word, a bit each, adds the first that shows something, of those up to it. Returns the others.
 uint add_listed(inout Accumulated acc, Ray ray, Brick b, uint word, uint bits, float shift) {
     uint at;
@@ -43,16 +33,6 @@ uint add_listed(inout Accumulated acc, Ray ray, Brick b, uint word, uint bits, f
     return bits & ~(1u << (at & 31u));
 }
 
-// Adds two of them, or one where there is no other.
-uint add_listed_pair(inout Accumulated acc, Ray ray, Brick b, uint word, uint bits, float shift) {
-    uint others = bits & (bits - 1u);
-    Segment first = inner_segment(32u * word + lowest_bit(bits), shift);
-    Segment second = inner_segment(32u * word + lowest_bit(others == 0u ? bits : others), shift);
-    Segment segments[2] = Segment[](first, second);
-    add_pair(acc, ray, b, segments, classify_middles(ray, b, segments), others != 0u);
-    return others & (others - 1u);
-}
-
 // Of segments from `i` up to `end`, adds the first that shows something. Returns the one after it.
 uint add_next(inout Accumulated acc, Ray ray, Brick b, uint i, uint end, float shift) {
     Segment segment;
@@ -70,11 +50,53 @@ uint add_next(inout Accumulated acc, Ray ray, Brick b, uint i, uint end, float s
     return i + 1u;
 }
 
-// Adds two of them, or one where there is no other.
+#ifndef VOTES
+// Samples two segments at their middles, in one brick.
+Classified[2] classify_middles(Ray ray, Brick b, Segment segments[2]) {
+    vec3 first_ix = ray_position(ray, segments[0].middle, volume.field_ix);
+    vec3 second_ix = ray_position(ray, segments[1].middle, volume.field_ix);
+    vec2 values = reconstruct_pair(b, first_ix, second_ix);
+    Bin bins[2] = Bin[](bin_at(values.x), bin_at(values.y));
+    Classified shown[2] = Classified[](classify_in(bins[0], frame.unit_exponent), classify_in(bins[1], frame.unit_exponent));
+    return shown;
+}
+
+// Adds two of those that are listed, or one where there is no other.
+uint add_listed_pair(inout Accumulated acc, Ray ray, Brick b, uint word, uint bits, float shift) {
+    uint others = bits & (bits - 1u);
+    Segment first = inner_segment(32u * word + lowest_bit(bits), shift);
+    Segment second = inner_segment(32u * word + lowest_bit(others == 0u ? bits : others), shift);
+    Segment segments[2] = Segment[](first, second);
+    add_pair(acc, ray, b, segments, classify_middles(ray, b, segments), others != 0u);
+    return others & (others - 1u);
+}
+
+// Adds two of those up to `end`, or one where there is no other.
 uint add_next_pair(inout Accumulated acc, Ray ray, Brick b, uint i, uint end, float shift) {
     Segment segments[2] = Segment[](inner_segment(i, shift), inner_segment(i + 1u, shift));
     add_pair(acc, ray, b, segments, classify_middles(ray, b, segments), i + 1u < end);
     return min(i + 2u, end);
+}
+#endif
+
+// Adds the next of those that are listed, or two.
+uint add_some_listed(inout Accumulated acc, Ray ray, Brick b, uint word, uint bits, float shift) {
+#ifndef VOTES
+    if (PAIRED) {
+        return add_listed_pair(acc, ray, b, word, bits, shift);
+    }
+#endif
+    return add_listed(acc, ray, b, word, bits, shift);
+}
+
+// Adds the next of those up to `end`, or two.
+uint add_some(inout Accumulated acc, Ray ray, Brick b, uint i, uint end, float shift) {
+#ifndef VOTES
+    if (PAIRED) {
+        return add_next_pair(acc, ray, b, i, end, shift);
+    }
+#endif
+    return add_next(acc, ray, b, i, end, shift);
 }
 
 // The first `whole` segments, at least one, of those that the beam lists, a bit each.
@@ -94,7 +116,7 @@ void march_listed(inout Accumulated acc, Ray ray, uint bits_at, uint whole, floa
         if (bits != 0u) {
             Brick b = brick_at(ray_position(ray, inner_segment(32u * word + lowest_bit(bits), shift).middle, volume.field_ix));
             do {
-                bits = PAIRED ? add_listed_pair(acc, ray, b, word, bits, shift) : add_listed(acc, ray, b, word, bits, shift);
+                bits = add_some_listed(acc, ray, b, word, bits, shift);
             } while (bits != 0u && acc.opacity < frame.early_termination);
         }
         ++word;
@@ -135,7 +157,7 @@ void march_whole(inout Accumulated acc, Ray ray, uint bits_at, uint whole, uint 
             i = b.resident ? i : run_end;
             if (i < run_end) {
                 do {
-                    i = PAIRED ? add_next_pair(acc, ray, b, i, run_end, shift) : add_next(acc, ray, b, i, run_end, shift);
+                    i = add_some(acc, ray, b, i, run_end, shift);
                 } while (i < run_end && acc.opacity < frame.early_termination);
             }
         } while (i < whole && acc.opacity < frame.early_termination);

@@ -16,6 +16,7 @@ layout(set = 0, binding = BINDING_CHUNKS, std430) readonly buffer ChunkList { iv
 layout(set = 0, binding = BINDING_GRADIENTS_STORE, rgba16f) uniform writeonly image3D i_filtered;
 layout(set = 0, binding = BINDING_GRADIENTS_HALVES, rgba16f) uniform writeonly imageBuffer i_halves;
 layout(set = 0, binding = BINDING_GRADIENTS_TEN_BITS, r32ui) uniform writeonly uimageBuffer i_ten_bits;
+layout(set = 0, binding = BINDING_GRADIENTS_IN_FOURS, rgba32ui) uniform writeonly uimageBuffer i_in_fours;
 layout(push_constant) uniform Push { PartPush push; };
 
 // Which of them: as for STORED_GRADIENTS.
@@ -36,29 +37,54 @@ vec3 central_differences_at(ivec3 voxel) {
     return difference / vec3(max(high - low, ivec3(1)));
 }
 
+// In units of `volume.gradient_unit`.
+vec3 gradient_at(ivec3 voxel) {
+    vec3 p_ix = vec3(voxel);
+    vec3 g = GRADIENT == 0u ? central_differences_at(voxel) : estimated_gradient_ix(brick_at(p_ix), p_ix);
+    return g / volume.gradient_unit;
+}
+
+int place_of(ivec3 texel) {
+    ivec3 parts = gradient_place(texel);
+    return parts.x + parts.y + parts.z;
+}
+
+// The fours of a chunk begin in it, so that each belongs to one.
+void store_four(ivec3 chunk, ivec3 within) {
+    int first = (CHUNK * chunk.z + 2) / 3 + within.z;
+    ivec3 voxel = ivec3(CHUNK * chunk.xy + within.xy, 3 * first);
+    if (voxel.z >= CHUNK * (chunk.z + 1) || any(greaterThan(voxel, ivec3(volume.field_ix)))) {
+        return;
+    }
+    uvec4 words;
+    for (int n = 0; n < 4; ++n) {
+        ivec3 at = min(voxel + ivec3(0, 0, n), ivec3(volume.field_ix));
+        words[n] = ten_bits_of(ivec3(round(gradient_at(at))));
+    }
+    imageStore(i_in_fours, place_of(ivec3(voxel.xy, first)), words);
+}
+
 void main() {
     if (gl_WorkGroupID.x >= push.count) {
         return;
     }
     int group = int(gl_WorkGroupID.y);
+    ivec3 chunk = chunks[push.first + gl_WorkGroupID.x].xyz;
     ivec3 within = 4 * ivec3(group % 4, group / 4 % 4, group / 16) + ivec3(gl_LocalInvocationID);
-    ivec3 voxel = CHUNK * chunks[push.first + gl_WorkGroupID.x].xyz + within;
+    if (STORED_GRADIENTS == 4u) {
+        store_four(chunk, within);
+        return;
+    }
+    ivec3 voxel = CHUNK * chunk + within;
     if (any(greaterThan(voxel, ivec3(volume.field_ix)))) {
         return;
     }
-    vec3 p_ix = vec3(voxel);
-    vec3 g = GRADIENT == 0u ? central_differences_at(voxel) : estimated_gradient_ix(brick_at(p_ix), p_ix);
-    g /= volume.gradient_unit;
+    vec3 g = gradient_at(voxel);
     if (STORED_GRADIENTS == 1u) {
         imageStore(i_filtered, voxel, vec4(g, 0.0));
-        return;
-    }
-    ivec3 parts = gradient_place(voxel);
-    int place = parts.x + parts.y + parts.z;
-    if (STORED_GRADIENTS == 2u) {
-        uvec3 bits = uvec3(ivec3(round(g)) + TEN_BITS_ZERO);
-        imageStore(i_ten_bits, place, uvec4(bits.x | bits.y << 10 | bits.z << 20));
+    } else if (STORED_GRADIENTS == 2u) {
+        imageStore(i_ten_bits, place_of(voxel), uvec4(ten_bits_of(ivec3(round(g)))));
     } else {
-        imageStore(i_halves, place, vec4(g, 0.0));
+        imageStore(i_halves, place_of(voxel), vec4(g, 0.0));
     }
 }

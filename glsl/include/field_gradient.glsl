@@ -4,39 +4,60 @@
 #include "ten_bits.glsl"
 
 // Is a volume of gradients there, the estimates at voxels (gradients.comp), and how is it read? 0 no, 1 filtered by the texture unit,
-// 2 texels of ten bits, 3 halves, filtered here (GradientTexels in src/atlas/gradients.rs).
+// 2 words of ten bits a component, 3 halves, 4 such words in fours, filtered here (GradientTexels in src/atlas/gradients.rs).
 layout(constant_id = SPEC_STORED_GRADIENTS) const uint STORED_GRADIENTS = 0;
 
 layout(set = 0, binding = BINDING_GRADIENTS) uniform sampler3D t_gradients;
 layout(set = 0, binding = BINDING_GRADIENTS_TEN_BITS, r32ui) uniform readonly uimageBuffer i_gradients_ten_bits;
+layout(set = 0, binding = BINDING_GRADIENTS_IN_FOURS, rgba32ui) uniform readonly uimageBuffer i_gradients_in_fours;
 layout(set = 0, binding = BINDING_GRADIENTS_HALVES, rgba16f) uniform readonly imageBuffer i_gradients_halves;
 
 #include "gradient_pages.glsl"
 
-// What a texel counts, in units of `volume.gradient_unit`.
-vec3 gradient_texel(int at) {
-    if (STORED_GRADIENTS == 3u) {
-        return imageLoad(i_gradients_halves, at).rgb;
+// The gradients of a voxel and of the next one along z. `xy`: what x and y add to the places of their texels. `z`: what their z does.
+// `within`: the number of the first among the four of its texel.
+vec3[2] gradients_of_column(int xy, ivec2 z, int within) {
+    if (STORED_GRADIENTS == 4u) {
+        uvec4 texel = imageLoad(i_gradients_in_fours, xy + z.x);
+        uvec2 pair = within == 0 ? texel.xy : within == 1 ? texel.yz : texel.zw;
+        return vec3[](ten_bits_in(pair.x), ten_bits_in(pair.y));
     }
-    uint texel = imageLoad(i_gradients_ten_bits, at).r;
-    return vec3(ivec3(texel & 1023u, texel >> 10 & 1023u, texel >> 20 & 1023u) - TEN_BITS_ZERO);
+    if (STORED_GRADIENTS == 3u) {
+        return vec3[](imageLoad(i_gradients_halves, xy + z.x).rgb, imageLoad(i_gradients_halves, xy + z.y).rgb);
+    }
+    uvec2 words = uvec2(imageLoad(i_gradients_ten_bits, xy + z.x).r, imageLoad(i_gradients_ten_bits, xy + z.y).r);
+    return vec3[](ten_bits_in(words.x), ten_bits_in(words.y));
 }
 
+// In units of `volume.gradient_unit`.
 vec3 gradient_between(vec3 p_ix) {
     ivec3 i = ivec3(p_ix);
     precise vec3 f = p_ix - vec3(i);
-    ivec3 j = gradient_place(min(i + 1, ivec3(volume.field_ix)));
-    i = gradient_place(i);
-    precise vec3 rows[4];
-    [[unroll]] for (int n = 0; n < 4; ++n) {
-        int yz = ((n & 1) == 0 ? i.y : j.y) + (n < 2 ? i.z : j.z);
-        vec3 low = gradient_texel(i.x + yz);
-        // Not mix(), which may miss the value that both ends have: flat places would have gradients.
-        rows[n] = low + (gradient_texel(j.x + yz) - low) * f.x;
+    int within = 0;
+    ivec3 j = min(i + 1, ivec3(volume.field_ix));
+    if (STORED_GRADIENTS == 4u) {
+        int texel = third_of(i.z);
+        within = i.z - 3 * texel;
+        i.z = texel;
     }
-    precise vec3 low = rows[0] + (rows[1] - rows[0]) * f.y;
-    precise vec3 high = rows[2] + (rows[3] - rows[2]) * f.y;
-    precise vec3 between = low + (high - low) * f.z;
+    j = gradient_place(j);
+    i = gradient_place(i);
+    ivec2 z = ivec2(i.z, j.z);
+    vec3 columns[4][2];
+    [[unroll]] for (int n = 0; n < 4; ++n) {
+        columns[n] = gradients_of_column(((n & 1) == 0 ? i.x : j.x) + (n < 2 ? i.y : j.y), z, within);
+    }
+    precise vec3 slices[2];
+    [[unroll]] for (int n = 0; n < 2; ++n) {
+        // Not mix(), which may miss the value that both ends have: flat places would have gradients.
+        precise vec3 low = columns[0][n] + (columns[1][n] - columns[0][n]) * f.x;
+        precise vec3 high = columns[2][n] + (columns[3][n] - columns[2][n]) * f.x;
+        slices[n] = low + (high - low) * f.y;
+    }
+    precise vec3 between = slices[0] + (slices[1] - slices[0]) * f.z;
+    if (STORED_GRADIENTS != 3u) {
+        between *= 1.0 / TEN_BITS_SCALE;
+    }
     return between;
 }
 

@@ -215,6 +215,8 @@ pub(crate) struct NoTexels {
     pub(crate) shown_cells: TexelBuffer,
     /// As of gradients of ten bits.
     pub(crate) ten_bits: TexelBuffer,
+    /// As of those in fours.
+    pub(crate) in_fours: TexelBuffer,
     /// As of gradients in halves.
     pub(crate) halves: TexelBuffer,
 }
@@ -230,6 +232,7 @@ impl NoTexels {
             cells: texel("cells", PackedCells::FORMAT)?,
             shown_cells: texel("shown_cells", Self::SHOWN_CELLS)?,
             ten_bits: texel("ten_bits", GradientTexels::TenBits.format())?,
+            in_fours: texel("in_fours", GradientTexels::InFours.format())?,
             halves: texel("halves", GradientTexels::Halves.format())?,
         })
     }

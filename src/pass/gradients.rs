@@ -87,15 +87,11 @@ impl GradientsPass {
             use_packed_cells(recorder, images),
             (BINDING_CHUNKS, Bound::Storage(&list)),
         ];
-        // Of the three kinds of texels others stand in for two, and nothing writes them.
+        // For kinds of texels that these are not others stand in, and nothing writes them.
         let filtered = gradients.image().unwrap_or(&images.light);
-        let [ten_bits, halves] = GradientVolume::texel_buffers(Some(gradients), &images.no_texels);
         recorder.use_image(filtered, Access::Storage);
         bound.push((BINDING_GRADIENTS_STORE, Bound::StorageImage(filtered)));
-        for (binding, texels) in [
-            (BINDING_GRADIENTS_TEN_BITS, ten_bits),
-            (BINDING_GRADIENTS_HALVES, halves),
-        ] {
+        for (binding, texels) in GradientVolume::texel_buffers(Some(gradients), &images.no_texels) {
             recorder.use_buffer(texels.buffer(), Access::Storage);
             bound.push((binding, Bound::Texels(texels)));
         }

@@ -200,23 +200,15 @@ fn use_gradients<'a>(
     images: &'a Images,
     gradients: Option<&'a GradientVolume>,
     unused: (&'a Image, &'a Sampler),
-) -> [(u32, Bound<'a>); 3] {
-    use crate::shader::generated::{
-        BINDING_GRADIENTS, BINDING_GRADIENTS_HALVES, BINDING_GRADIENTS_TEN_BITS,
-    };
+) -> [(u32, Bound<'a>); 4] {
+    use crate::shader::generated::BINDING_GRADIENTS;
     let filtered = gradients
         .and_then(GradientVolume::image)
         .unwrap_or(unused.0);
-    let [ten_bits, halves] = GradientVolume::texel_buffers(gradients, &images.no_texels);
     recorder.use_image(filtered, Access::SampledRead);
-    [
-        (BINDING_GRADIENTS, sampled(filtered, unused.1)),
-        (
-            BINDING_GRADIENTS_TEN_BITS,
-            use_texel_buffer(recorder, ten_bits),
-        ),
-        (BINDING_GRADIENTS_HALVES, use_texel_buffer(recorder, halves)),
-    ]
+    let [a, b, c] = GradientVolume::texel_buffers(gradients, &images.no_texels)
+        .map(|(binding, texels)| (binding, use_texel_buffer(recorder, texels)));
+    [(BINDING_GRADIENTS, sampled(filtered, unused.1)), a, b, c]
 }
 
 /// What a pass that looks labels up reads; without labels images of the same kinds stand in, which it does not read.

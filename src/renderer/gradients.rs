@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::loaded::{Loaded, NAME, other_texel_bytes, shading_reach, shown};
+use super::packed::packing_beside;
 use super::pass_name;
 use super::settings::Settings;
 use crate::atlas::{GradientVolume, Residency, Store, Uploads};
@@ -27,7 +28,12 @@ pub(super) fn gradients(
     };
     let others = other_texel_bytes(settings);
     let budget = settings.storage.budget_bytes();
-    GradientVolume::new(context, NAME, store, residency, estimator, others, budget)
+    // Packed corners save more than texels that are read faster.
+    let packs = |bytes| packing_beside(context, store, residency, settings, bytes).is_some();
+    let affords = |bytes| packs(bytes) || !packs(0);
+    GradientVolume::new(
+        context, NAME, store, residency, estimator, others, budget, affords,
+    )
 }
 
 /// The gradients that samples read: those of voxels that are all there.

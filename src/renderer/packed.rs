@@ -17,11 +17,22 @@ pub(super) fn packing(
     settings: &Settings,
     gradients: Option<&GradientVolume>,
 ) -> Option<Packing> {
+    let gradient_bytes = gradients.map_or(0, GradientVolume::bytes);
+    packing_beside(context, store, residency, settings, gradient_bytes)
+}
+
+/// The same beside so many bytes of gradients.
+pub(super) fn packing_beside(
+    context: &Context,
+    store: &Store,
+    residency: &Residency,
+    settings: &Settings,
+    gradient_bytes: u64,
+) -> Option<Packing> {
     if !settings.storage.packed_cells || !settings.interpolates() {
         return None;
     }
     let texel_bytes = other_texel_bytes(settings);
-    let gradient_bytes = gradients.map_or(0, GradientVolume::bytes);
     let budget = settings.storage.budget_bytes();
     Packing::of(
         context,

@@ -103,6 +103,53 @@ fn stored_gradients_show_what_estimated_ones_do() {
     assert_valid(&device);
 }
 
+/// CPU drivers keep words of ten bits in fours where there is room: they hold the same.
+#[test]
+fn gradients_in_fours_are_those_in_words() {
+    let device = device(|_| {});
+    if device.device().device_type != "cpu" {
+        println!("texture units interpolate gradients here");
+        return;
+    }
+    let size = [41, 37, 70];
+    let [width, height, depth] = size;
+    // Balls here and there, so that some chunks are computed and others are not.
+    let voxels = (0..width * height * depth)
+        .map(|i| [i % width, i / width % height, i / (width * height)].map(f64::from))
+        .map(|[x, y, z]| {
+            let near = [[8.0, 9.0, 21.0], [33.0, 30.0, 49.5], [20.0, 4.0, 66.0]]
+                .map(|c| (c[0] - x).hypot(c[1] - y).hypot(c[2] - z));
+            let distance = near.into_iter().fold(f64::INFINITY, f64::min);
+            (255.0 - 24.0 * distance).max(0.0).round() as u8
+        });
+    let volume = Volume::axis_aligned(Voxels::U8(voxels.collect()), size, [1.0, 1.3, 0.8]);
+    let points = vec![
+        point(90.0, [0.2, 0.5, 0.9], 0.0),
+        point(255.0, [0.9, 0.8, 0.4], 0.4),
+    ];
+    let subject = Subject::new(volume.unwrap(), Camera::default(), [64, 48], 1.0, points);
+    let subject = subject.with(|scene| {
+        scene.lighting.shading = Shading::Diffuse;
+        scene.storage.packed_cells = false;
+    });
+    // Room for the voxels and for 170 pages of gradients: words need 150, fours 180.
+    let scarce = subject.with(|scene| {
+        let voxels = f64::from(width * height * depth);
+        scene.storage.memory_budget_mib = (voxels + 170.0 * 4096.0) / 1048576.0;
+    });
+    let estimated = subject.with(|scene| scene.lighting.stored_gradients = false);
+    let [mut fours, mut words] = [&subject, &scarce].map(|s| s.session(&device));
+    let pictures = [fours.frame().unwrap(), words.frame().unwrap()];
+    assert!(stores(&fours) && stores(&words));
+    let pages = [&mut fours, &mut words].map(|s| s.stats().unwrap().memory.gradients_bytes / 4096);
+    assert_eq!(pages, [180, 150]);
+    assert!(shown(&pictures[0]) > 50.0);
+    assert!(pictures[0] == pictures[1]);
+    let difference = largest_difference(&pictures[0], &estimated.picture(&device));
+    assert!(difference < 2e-5, "{difference}");
+    assert_valid(&device);
+}
+
 /// Where nothing rises, nothing is a surface: no gradient stays none.
 #[test]
 fn flat_places_have_no_gradient() {

@@ -219,7 +219,7 @@ const ISOSURFACE_SPEC_IDS: &[u32] = &[
     SPEC_LOADS,
 ];
 
-const fn isosurface_bindings(target: Access) -> [Binding; 17] {
+const fn isosurface_bindings(target: Access) -> [Binding; 18] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -235,6 +235,7 @@ const fn isosurface_bindings(target: Access) -> [Binding; 17] {
         sampled(BINDING_LABEL_TABLE),
         sampled(BINDING_GRADIENTS),
         texel_buffer(BINDING_GRADIENTS_TEN_BITS, Access::Read),
+        texel_buffer(BINDING_GRADIENTS_IN_FOURS, Access::Read),
         texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         storage_image(BINDING_SKIP_LOADS, Access::Read),
         texel_buffer(BINDING_GRADIENTS_HALVES, Access::Read),
@@ -264,6 +265,7 @@ pub const GRADIENTS: PassInterface = PassInterface {
         sampled(BINDING_ATLAS),
         sampled(BINDING_INDEX),
         texel_buffer(BINDING_GRADIENTS_TEN_BITS, Access::Write),
+        texel_buffer(BINDING_GRADIENTS_IN_FOURS, Access::Write),
         storage_read(BINDING_CHUNKS),
         texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         texel_buffer(BINDING_GRADIENTS_HALVES, Access::Write),

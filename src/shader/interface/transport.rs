@@ -36,7 +36,7 @@ const TRANSPORT_SPEC_IDS: &[u32] = &[
     SPEC_LOADS,
 ];
 
-const fn transport_bindings(target: Access) -> [Binding; 23] {
+const fn transport_bindings(target: Access) -> [Binding; 24] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -57,6 +57,7 @@ const fn transport_bindings(target: Access) -> [Binding; 23] {
         storage_image(BINDING_THROUGH, Access::Write),
         sampled(BINDING_GRADIENTS),
         texel_buffer(BINDING_GRADIENTS_TEN_BITS, Access::Read),
+        texel_buffer(BINDING_GRADIENTS_IN_FOURS, Access::Read),
         texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         storage_image(BINDING_SKIP_LOADS, Access::Read),
         storage_image(BINDING_TRANSFER_LOADS, Access::Read),

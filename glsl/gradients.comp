@@ -26,14 +26,18 @@ layout(constant_id = SPEC_STORED_GRADIENTS) const uint STORED_GRADIENTS = 0;
 
 const int CHUNK = 16;
 
+float voxel_at(ivec3 voxel) {
+    return PACKED_CELLS == 0u ? atlas_texel(voxel) : packed_texel(voxel);
+}
+
 // Without filters, which read eight voxels where one is needed.
 vec3 central_differences_at(ivec3 voxel) {
     ivec3 low = max(voxel - 1, ivec3(0));
     ivec3 high = min(voxel + 1, ivec3(volume.field_ix));
     vec3 difference = vec3(
-        atlas_texel(ivec3(high.x, voxel.yz)) - atlas_texel(ivec3(low.x, voxel.yz)),
-        atlas_texel(ivec3(voxel.x, high.y, voxel.z)) - atlas_texel(ivec3(voxel.x, low.y, voxel.z)),
-        atlas_texel(ivec3(voxel.xy, high.z)) - atlas_texel(ivec3(voxel.xy, low.z)));
+        voxel_at(ivec3(high.x, voxel.yz)) - voxel_at(ivec3(low.x, voxel.yz)),
+        voxel_at(ivec3(voxel.x, high.y, voxel.z)) - voxel_at(ivec3(voxel.x, low.y, voxel.z)),
+        voxel_at(ivec3(voxel.xy, high.z)) - voxel_at(ivec3(voxel.xy, low.z)));
     return difference / vec3(max(high - low, ivec3(1)));
 }
 

@@ -24,6 +24,15 @@ vec4 corners_in(uvec4 texel, ivec2 cell) {
     return vec4(pair & 0xffu, (pair >> 8) & 0xffu);
 }
 
+// What packed whole numbers count.
+float packed_unit() {
+    float largest = 255.0;
+    if (PACKED_CELLS == 2u) {
+        largest = 65535.0;
+    }
+    return 1.0 / largest;
+}
+
 // The cell around a place: where its two texels lie, which four corners of each it has, and where between them the place is.
 struct PackedCell {
     int near;
@@ -69,11 +78,13 @@ float packed_between(PackedCell c, CellTexels texels) {
     precise vec4 rows = low + (high - low) * c.f.x;
     precise vec2 slices = rows.xz + (rows.yw - rows.xz) * c.f.y;
     precise float value = slices.x + (slices.y - slices.x) * c.f.z;
-    float largest = 255.0;
-    if (PACKED_CELLS == 2u) {
-        largest = 65535.0;
-    }
-    return value * (1.0 / largest);
+    return value * packed_unit();
+}
+
+// The sample of a texel of the atlas.
+float packed_texel(ivec3 at) {
+    PackedCell c = packed_cell(vec3(at));
+    return corners_in(imageLoad(i_packed_cells, c.near), c.cell).x * packed_unit();
 }
 
 // The trilinear field at a place of the atlas.

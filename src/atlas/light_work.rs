@@ -161,11 +161,9 @@ impl GroupFinder<'_> {
                         samples |= border;
                     }
                     let packed = x | y << 8 | z << 16;
-                    let elsewhere = border
-                        & samples
-                        & !samples_where(intervals, group, |sample| {
-                            computed[place_on_border(intervals, sample)]
-                        });
+                    let elsewhere = samples_where(border & samples, group, |sample| {
+                        !computed[place_on_border(intervals, sample)]
+                    });
                     if samples != elsewhere {
                         work.trace.push((packed, samples & !elsewhere));
                     }
@@ -219,12 +217,16 @@ impl GroupFinder<'_> {
             });
             self.lit.any(low, high)
         };
-        // Most groups of most volumes are dark.
         let first = group.map(|g| g * GROUP);
+        let there = samples_there(intervals, group);
+        if intervals == cells {
+            return there & self.lit.group(std::array::from_fn(|a| base[a] + first[a]));
+        }
+        // Most groups of most volumes are dark.
         if !any_between(first, first.map(|s| s + GROUP - 1)) {
             return 0;
         }
-        samples_where(intervals, group, |sample| any_between(sample, sample))
+        samples_where(there, group, |sample| any_between(sample, sample))
     }
 
     /// True when a visible skip cell lies where the samples of a group have weight, or have in a neighbour of this level: samples of
@@ -257,22 +259,52 @@ impl GroupFinder<'_> {
     }
 }
 
-/// A bit for each sample of a group that exists and for which `holds`; x fastest.
-fn samples_where(intervals: [u32; 3], group: [u32; 3], holds: impl Fn([u32; 3]) -> bool) -> u64 {
-    (0..GROUP.pow(3))
-        .filter(|bit| {
-            let inside = [bit % GROUP, bit / GROUP % GROUP, bit / GROUP.pow(2)];
-            let sample: [u32; 3] = std::array::from_fn(|a| group[a] * GROUP + inside[a]);
-            (0..3).all(|a| sample[a] <= intervals[a]) && holds(sample)
-        })
-        .fold(0, |bits, bit| bits | 1 << bit)
+/// The samples of a group, of those given, for which `holds`.
+fn samples_where(samples: u64, group: [u32; 3], holds: impl Fn([u32; 3]) -> bool) -> u64 {
+    let (mut left, mut held) = (samples, 0);
+    while left != 0 {
+        let bit = left.trailing_zeros();
+        let inside = [bit % GROUP, bit / GROUP % GROUP, bit / GROUP.pow(2)];
+        if holds(std::array::from_fn(|a| group[a] * GROUP + inside[a])) {
+            held |= 1 << bit;
+        }
+        left &= left - 1;
+    }
+    held
+}
+
+/// Of a group, a bit each and x fastest, the samples that are first on an axis.
+const FIRST: [u64; 3] = [0x1111_1111_1111_1111, 0x000f_000f_000f_000f, 0xffff];
+
+/// Those that are at a place on an axis.
+fn samples_at(axis: usize, place: u32) -> u64 {
+    FIRST[axis] << (place * GROUP.pow(axis as u32))
+}
+
+/// The samples of a group that exist.
+fn samples_there(intervals: [u32; 3], group: [u32; 3]) -> u64 {
+    (0..3).fold(u64::MAX, |there, axis| {
+        let left = (intervals[axis] + 1).saturating_sub(group[axis] * GROUP);
+        there & (0..left.min(GROUP)).fold(0, |on_axis, place| on_axis | samples_at(axis, place))
+    })
 }
 
 /// Those on the border of the brick.
 fn border_samples(intervals: [u32; 3], group: [u32; 3]) -> u64 {
-    samples_where(intervals, group, |sample| {
-        (0..3).any(|a| sample[a] == 0 || sample[a] == intervals[a])
-    })
+    let border = (0..3).fold(0, |border, axis| {
+        let low = if group[axis] == 0 {
+            samples_at(axis, 0)
+        } else {
+            0
+        };
+        let high = if intervals[axis] / GROUP == group[axis] {
+            samples_at(axis, intervals[axis] % GROUP)
+        } else {
+            0
+        };
+        border | low | high
+    });
+    border & samples_there(intervals, group)
 }
 
 /// Where on the border of its brick a sample lies: for each axis 0 at the low end, 1 between, 2 at the high end, x counting 1, y 3
@@ -310,6 +342,35 @@ mod tests {
 
         fn visible(&self, [_, high]: [f64; 2]) -> bool {
             high > 127.0
+        }
+    }
+
+    #[test]
+    fn samples_of_groups_are_there_and_on_borders_as_their_places_say() {
+        for intervals in [[16; 3], [1, 2, 4], [5, 16, 7], [3, 8, 15]] {
+            for at in 0..125 {
+                let group = [at % 5, at / 5 % 5, at / 25];
+                let (mut there, mut border) = (0, 0);
+                for bit in 0..64 {
+                    let sample: [u32; 3] = [bit % 4, bit / 4 % 4, bit / 16];
+                    let sample = std::array::from_fn(|a| 4 * group[a] + sample[a]);
+                    let inside = (0..3).all(|a| sample[a] <= intervals[a]);
+                    let on_border = (0..3).any(|a| sample[a] == 0 || sample[a] == intervals[a]);
+                    there |= u64::from(inside) << bit;
+                    border |= u64::from(inside && on_border) << bit;
+                    assert_eq!(samples_where(1 << bit, group, |s| s == sample), 1 << bit);
+                }
+                assert_eq!(
+                    samples_there(intervals, group),
+                    there,
+                    "{intervals:?} {group:?}"
+                );
+                assert_eq!(
+                    border_samples(intervals, group),
+                    border,
+                    "{intervals:?} {group:?}"
+                );
+            }
         }
     }
 

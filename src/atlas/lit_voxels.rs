@@ -102,6 +102,24 @@ impl LitVoxels {
         }
     }
 
+    /// The lit voxels of 4³ from `low` on, a bit each, x fastest. `low`: a multiple of 4 on x.
+    pub(crate) fn group(&self, low: [u32; 3]) -> u64 {
+        let [x, y, z] = low.map(|n| n as usize);
+        debug_assert!(x.is_multiple_of(GROUP));
+        if x >= self.size[0] {
+            return 0;
+        }
+        let mut group = 0;
+        for k in z..(z + GROUP).min(self.size[2]) {
+            for j in y..(y + GROUP).min(self.size[1]) {
+                let word = self.bits[self.row * (j + self.size[1] * k) + x / WORD_BITS];
+                let voxels = word >> (x % WORD_BITS) & 0xf;
+                group |= voxels << (GROUP * (j - y + GROUP * (k - z)));
+            }
+        }
+        group
+    }
+
     /// True when a voxel of a closed box is lit; what lies outside of the volume is not.
     pub(crate) fn any(&self, low: [i64; 3], high: [i64; 3]) -> bool {
         let clip =
@@ -112,6 +130,8 @@ impl LitVoxels {
         })
     }
 }
+
+const GROUP: usize = super::light_work::GROUP as usize;
 
 /// True when one of a range of bits is set.
 fn has_bit(words: &[u64], bits: &Range<usize>) -> bool {
@@ -305,6 +325,14 @@ mod tests {
                             "{at:?} for {cell:?}, reach {reach:?}"
                         );
                     }
+                }
+            }
+            for low in [[60, 1, 0], [64, 0, 1], [124, 2, 2], [128, 4, 3]] {
+                let group = lit.group(low);
+                for bit in 0..64 {
+                    let place = [bit % 4, bit / 4 % 4, bit / 16];
+                    let place = std::array::from_fn(|a| i64::from(low[a] + place[a]));
+                    assert_eq!(group >> bit & 1 != 0, lit.any(place, place), "{place:?}");
                 }
             }
             assert!(!lit.any([-4, -4, -4], [-1, 9, 9]), "nothing lies outside");

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::{Reconstruction, Variants, gradient_constant, sampled, use_packed_cells};
-use crate::atlas::{GRADIENT_CHUNK, GradientStore, GradientVolume, Images};
+use crate::atlas::{GRADIENT_CHUNK, GradientStore, GradientTexels, GradientVolume, Images};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Buffer, Context, Recorder, TexelBuffer, Uniforms};
 use crate::shader::generated::*;
@@ -72,7 +72,11 @@ impl GradientsPass {
         if gradients.is_first_use() {
             match &gradients.store {
                 GradientStore::Image(image) => recorder.clear(image),
-                GradientStore::Pages(texels, _) => recorder.fill_zero(texels.buffer()),
+                GradientStore::Pages(texels, _) if gradients.texels() == GradientTexels::Halves => {
+                    recorder.fill_zero(texels.buffer());
+                }
+                // Whatever ten bits are, they are a number.
+                GradientStore::Pages(..) => {}
             }
         }
         recorder.use_image(&images.atlas, Access::SampledRead);

@@ -39,11 +39,20 @@ void main() {
     }
     vec3 last_at = 1.0 / volume.atlas_texel - 1.0;
     float sum = 0.0;
-    for (uint m = 0u; m < parts; ++m) {
-        vec3 there = at + float(m) * ahead;
-        float value =
-            PACKED_CELLS == 0u ? textureLod(t_voxels, there, 0.0).r : packed_linear(clamp(there, vec3(0.0), last_at));
-        sum += classify_light(value, 1.0).opacity;
+    if (PACKED_CELLS == 0u) {
+        for (uint m = 0u; m < parts; ++m) {
+            sum += classify_light(textureLod(t_voxels, at + float(m) * ahead, 0.0).r, 1.0).opacity;
+        }
+    } else {
+        // Two by two, as rays of light take them.
+        for (uint m = 0u; m < parts; m += 2u) {
+            vec3 first_at = clamp(at + float(m) * ahead, vec3(0.0), last_at);
+            vec3 second_at = clamp(at + float(m + 1u) * ahead, vec3(0.0), last_at);
+            vec2 values = packed_linear_pair(first_at, second_at);
+            sum += classify_light(values.x, 1.0).opacity;
+            float second = classify_light(values.y, 1.0).opacity;
+            sum += m + 1u < parts ? second : 0.0;
+        }
     }
     // Lanes beyond the last sample of a brick work like the others, and may not write outside.
     imageStore(i_light, min(s.sample_at, imageSize(i_light) - 1), vec4(sum));

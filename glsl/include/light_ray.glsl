@@ -85,14 +85,46 @@ bool is_empty(LightRay ray, vec3 at_ix, out float ahead) {
     return leap > 0u || !brick_at(at_ix).resident;
 }
 
-// Emission, and opacity over a part.
-vec4 light_sample_at(LightRay ray, vec3 at_ix) {
-    Brick brick = brick_at(at_ix);
-    Classified c = classify_light(reconstruct_linear(brick, brick_local(brick, at_ix)), ray.unit_exponent);
+// Emission, and opacity over a part, of a value.
+vec4 light_of_value(LightRay ray, Brick brick, vec3 at_ix, float value) {
+    Classified c = classify_light(value, ray.unit_exponent);
     // Coarse bricks take longer samples than the table is made for.
     float opacity = UNIFORM_GRID ? c.opacity : opacity_over(c.opacity, ray.share);
     bool hidden = is_hidden(at_ix) || !brick.resident;
     return hidden ? vec4(0.0) : vec4(c.emission, opacity);
+}
+
+vec4 light_sample_at(LightRay ray, vec3 at_ix) {
+    Brick brick = brick_at(at_ix);
+    return light_of_value(ray, brick, at_ix, reconstruct_linear(brick, brick_local(brick, at_ix)));
+}
+
+// Two at once, of packed corners where the atlas is the volume (packed_linear_pair).
+vec4[2] light_samples_at(LightRay ray, vec3 first_ix, vec3 second_ix) {
+    Brick brick = brick_at(first_ix);
+    vec2 values = reconstruct_pair(brick, first_ix, second_ix);
+    return vec4[](
+        light_of_value(ray, brick, first_ix, values.x), light_of_value(ray, brick, second_ix, values.y));
+}
+
+// Gathers part `m`, or that and the next one if it comes before `end`. Returns the next one.
+uint gather_some(inout Gathered g, LightRay ray, uint m, uint end) {
+    vec3 at_ix = middle_of_part(ray, float(m));
+    if (UNIFORM_GRID && PACKED_CELLS != 0u) {
+        vec4 here[2] = light_samples_at(ray, at_ix, middle_of_part(ray, float(m + 1u)));
+        bool on = true;
+        for (int n = 0; n < 2; ++n) {
+            here[n] = on ? here[n] : vec4(0.0);
+            g.samples += uint(on);
+            gather(g, float(m) + float(n), here[n].a, here[n].rgb);
+            on = m + 1u < end && g.transparency >= DARK;
+        }
+        return min(m + 2u, end);
+    }
+    vec4 here = light_sample_at(ray, at_ix);
+    g.samples += 1u;
+    gather(g, float(m), here.a, here.rgb);
+    return m + 1u;
 }
 
 // A sample in every part.
@@ -109,10 +141,7 @@ void gather_uniform(inout Gathered g, LightRay ray) {
             if (m < ray.inside) {
                 uint run_end = min(m + LIGHT_RUN, ray.inside);
                 do {
-                    vec4 here = light_sample_at(ray, middle_of_part(ray, float(m)));
-                    g.samples += 1u;
-                    gather(g, float(m), here.a, here.rgb);
-                    ++m;
+                    m = gather_some(g, ray, m, run_end);
                 } while (m < run_end && g.transparency >= DARK);
             }
         } while (m < ray.inside && g.transparency >= DARK);

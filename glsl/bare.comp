@@ -47,9 +47,9 @@ void main() {
     } else {
         // Two by two, as the march takes them.
         for (uint i = 0u; i < count; i += 2u) {
-            vec3 first_ix = clamp(at + float(i) * ahead, vec3(0.0), volume.field_ix);
-            vec3 second_ix = clamp(at + float(i + 1u) * ahead, vec3(0.0), volume.field_ix);
-            vec2 values = packed_linear_pair(first_ix, second_ix);
+            vec3 low_ix = clamp(at + float(i) * ahead, vec3(0.0), volume.field_ix);
+            vec3 high_ix = clamp(at + float(i + 1u) * ahead, vec3(0.0), volume.field_ix);
+            vec2 values = packed_linear_pair(low_ix, high_ix);
             Bin first = bin_at(values.x);
             Bin second = bin_at(values.y);
             sum += shown_of(first);

@@ -44,7 +44,7 @@ void main() {
             sum += classify_light(textureLod(t_voxels, at + float(m) * ahead, 0.0).r, 1.0).opacity;
         }
     } else {
-        // Two by two, as rays of light take them.
+        // Two by two, as rays of light whose samples are evenly apart take them.
         for (uint m = 0u; m < parts; m += 2u) {
             vec3 first_at = clamp(at + float(m) * ahead, vec3(0.0), last_at);
             vec3 second_at = clamp(at + float(m + 1u) * ahead, vec3(0.0), last_at);

@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-// Estimates of the gradient at voxels, for the chunks of 16^3 voxels of a list: one workgroup for 4^3 voxels, 64 for a chunk.
+// Estimates of the gradient at voxels, for the chunks of 16^3 voxels of a list: one workgroup for 4^3 voxels, or 4^3 fours, of which half have
+// nothing to do; 64 for a chunk.
 
 #include "bindings.glsl"
 #include "structs.glsl"
@@ -55,8 +56,8 @@ int place_of(ivec3 texel) {
 
 // The fours of a chunk begin in it, so that each belongs to one.
 void store_four(ivec3 chunk, ivec3 within) {
-    int first = (CHUNK * chunk.z + 2) / 3 + within.z;
-    ivec3 voxel = ivec3(CHUNK * chunk.xy + within.xy, 3 * first);
+    int first = (CHUNK * chunk.z + FOURS_APART - 1) / FOURS_APART + within.z;
+    ivec3 voxel = ivec3(CHUNK * chunk.xy + within.xy, FOURS_APART * first);
     if (voxel.z >= CHUNK * (chunk.z + 1) || any(greaterThan(voxel, ivec3(volume.field_ix)))) {
         return;
     }

@@ -76,8 +76,8 @@ layout(constant_id = SPEC_PAIRED) const bool PAIRED = false;
 // Adds what two segments show over whole steps, the second only if `both`. `b`: the brick at their middles.
 void add_pair(inout Accumulated acc, Ray ray, Brick b, Segment segments[2], Classified shown[2], bool both) {
     bool on = true;
-    // (A loop, though of two rounds, for the same reason.)
-    for (int n = 0; n < 2; ++n) {
+    // (A loop, so that its body is inlined once.)
+    [[unroll]] for (int n = 0; n < 2; ++n) {
         Classified c = shown[n];
         c.opacity = JITTER ? opacity_over(c.opacity, segments[n].extent) : c.opacity;
         // Without opacity it adds nothing. (A branch would take longer.)

@@ -37,7 +37,7 @@ vec3 gradient_between(vec3 p_ix) {
     ivec3 j = min(i + 1, ivec3(volume.field_ix));
     if (STORED_GRADIENTS == 4u) {
         int texel = third_of(i.z);
-        within = i.z - 3 * texel;
+        within = i.z - FOURS_APART * texel;
         i.z = texel;
     }
     j = gradient_place(j);

@@ -3,6 +3,7 @@
 // first.
 //
 // Fours lie along z and share their ends: texel z holds the gradients of voxels 3z .. 3z + 3.
+const int FOURS_APART = 3;
 
 // The part of the place of texel (x, y, z) that comes from each; their sum is its place.
 ivec3 gradient_place(ivec3 at) {

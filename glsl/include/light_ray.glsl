@@ -113,7 +113,7 @@ uint gather_some(inout Gathered g, LightRay ray, uint m, uint end) {
     if (UNIFORM_GRID && PACKED_CELLS != 0u) {
         vec4 here[2] = light_samples_at(ray, at_ix, middle_of_part(ray, float(m + 1u)));
         bool on = true;
-        for (int n = 0; n < 2; ++n) {
+        [[unroll]] for (int n = 0; n < 2; ++n) {
             here[n] = on ? here[n] : vec4(0.0);
             g.samples += uint(on);
             gather(g, float(m) + float(n), here[n].a, here[n].rgb);

@@ -36,8 +36,10 @@ pub(crate) enum GradientTexels {
     InFours = 4,
 }
 
-/// Voxels from one texel of fours to the next: neighbours share one.
+/// Voxels from one texel of fours to the next, which share one; the shaders' `FOURS_APART`.
 const FOURS_APART: u32 = 3;
+/// Slices of which the shader finds the texel (`third_of`).
+const FOURS_MOST: u32 = 32768;
 
 impl GradientTexels {
     pub(crate) fn format(self) -> vk::Format {
@@ -85,21 +87,26 @@ struct Coding {
 
 impl Coding {
     /// `None` where halves cannot hold what the volume's range makes of gradients. `extent`: of the volume of gradients.
-    /// `affords`: whether so many bytes are there for fours, beside all that does without.
+    /// `affords`: whether there is room for so many bytes of fours instead of so many of words.
     fn of(
         context: &Context,
         store: &Store,
         extent: [u32; 3],
         estimator: Gradient,
-        affords: impl FnOnce(u64) -> bool,
+        affords: impl FnOnce(u64, u64) -> bool,
     ) -> Option<Self> {
         use GradientTexels::{Filtered, Halves, InFours, TenBits};
         let voxels = store.volume.voxels().voxel_type();
         let eight_bits = matches!(voxels, VoxelType::U8 | VoxelType::I8);
         let central = estimator == Gradient::CentralDifferences;
-        let in_fours =
-            InFours.load(context, extent) && affords(InFours.pages(extent).map_or(0, Pages::bytes));
-        if eight_bits && central && (in_fours || TenBits.load(context, extent)) {
+        let exact = eight_bits && central;
+        let [fours, words] =
+            [InFours, TenBits].map(|texels| texels.pages(extent).map_or(0, Pages::bytes));
+        let in_fours = exact
+            && extent[2] <= FOURS_MOST
+            && InFours.load(context, extent)
+            && affords(fours, words);
+        if exact && (in_fours || TenBits.load(context, extent)) {
             // Differences of two voxels are whole numbers of halves of a step of theirs, at most 510: all of them are exact.
             return Some(Self {
                 texels: if in_fours { InFours } else { TenBits },
@@ -147,8 +154,8 @@ pub(crate) struct GradientVolume {
 
 impl GradientVolume {
     /// `None` where bricks are packed, the estimator looks further than between voxels, the values span too much or too little
-    /// for halves, or the budget, which the texels of the atlas share, has no room. `affords`: whether other things that the budget is
-    /// for have room beside so many bytes, for texels that are read faster.
+    /// for halves, or the budget, which the texels of the atlas share, has no room. `prefers`: whether so many bytes of texels that are
+    /// read faster are worth more than what so many others leave room for.
     ///
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
@@ -164,7 +171,7 @@ impl GradientVolume {
         estimator: Gradient,
         other_texel_bytes: u32,
         budget_bytes: u64,
-        affords: impl FnOnce(u64) -> bool,
+        prefers: impl FnOnce(u64, u64) -> bool,
     ) -> Result<Option<Self>> {
         if !residency.layout.is_grid() || estimator.is_cubic() {
             return Ok(None);
@@ -173,7 +180,9 @@ impl GradientVolume {
         let voxel_bytes = store.volume.voxels().voxel_type().bytes() as u64;
         let texels = residency.layout.texels();
         let beside = texels.saturating_mul(voxel_bytes + u64::from(other_texel_bytes));
-        let affords = |bytes: u64| beside.saturating_add(bytes) <= budget_bytes && affords(bytes);
+        let affords = |fours: u64, words: u64| {
+            beside.saturating_add(fours) <= budget_bytes && prefers(fours, words)
+        };
         let Some(coding) = Coding::of(context, store, extent, estimator, affords) else {
             return Ok(None);
         };

@@ -15,8 +15,7 @@ use crate::volume::cells::SKIP_CELLS;
 use super::lit_voxels::{LitVoxels, Occupancy};
 use super::residency::Residency;
 
-/// Samples of a group on each axis.
-pub(crate) const GROUP: u32 = 4;
+pub(crate) use super::lit_voxels::GROUP;
 
 /// Index into the table of bricks; group inside the brick, 8 bits an axis; the samples, a bit each, x fastest.
 pub(crate) type WorkEntry = [u32; 4];

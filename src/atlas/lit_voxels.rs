@@ -17,6 +17,10 @@ use crate::volume::visible_ranges::VisibleRanges;
 
 const WORD_BITS: usize = u64::BITS as usize;
 
+/// Voxels on each axis whose bits are asked for together, and samples of a group of light work.
+pub(crate) const GROUP: u32 = 4;
+const EDGE: usize = GROUP as usize;
+
 /// A bit for each voxel.
 pub(crate) struct LitVoxels {
     size: [usize; 3],
@@ -105,16 +109,16 @@ impl LitVoxels {
     /// The lit voxels of 4³ from `low` on, a bit each, x fastest. `low`: a multiple of 4 on x.
     pub(crate) fn group(&self, low: [u32; 3]) -> u64 {
         let [x, y, z] = low.map(|n| n as usize);
-        debug_assert!(x.is_multiple_of(GROUP));
+        debug_assert!(x.is_multiple_of(EDGE));
         if x >= self.size[0] {
             return 0;
         }
         let mut group = 0;
-        for k in z..(z + GROUP).min(self.size[2]) {
-            for j in y..(y + GROUP).min(self.size[1]) {
+        for k in z..(z + EDGE).min(self.size[2]) {
+            for j in y..(y + EDGE).min(self.size[1]) {
                 let word = self.bits[self.row * (j + self.size[1] * k) + x / WORD_BITS];
                 let voxels = word >> (x % WORD_BITS) & 0xf;
-                group |= voxels << (GROUP * (j - y + GROUP * (k - z)));
+                group |= voxels << (EDGE * (j - y + EDGE * (k - z)));
             }
         }
         group
@@ -130,8 +134,6 @@ impl LitVoxels {
         })
     }
 }
-
-const GROUP: usize = super::light_work::GROUP as usize;
 
 /// True when one of a range of bits is set.
 fn has_bit(words: &[u64], bits: &Range<usize>) -> bool {

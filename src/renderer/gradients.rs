@@ -30,9 +30,9 @@ pub(super) fn gradients(
     let budget = settings.storage.budget_bytes();
     // Packed corners save more than texels that are read faster.
     let packs = |bytes| packing_beside(context, store, residency, settings, bytes).is_some();
-    let affords = |bytes| packs(bytes) || !packs(0);
+    let prefers = |more, less| packs(more) || !packs(less);
     GradientVolume::new(
-        context, NAME, store, residency, estimator, others, budget, affords,
+        context, NAME, store, residency, estimator, others, budget, prefers,
     )
 }
 

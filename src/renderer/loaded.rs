@@ -199,6 +199,7 @@ impl Loaded {
         let regradient = residency.is_some()
             || reimage
             || settings.stored_gradient() != old.stored_gradient()
+            || settings.interpolates() != old.interpolates()
             || settings.storage != old.storage;
         let gradients = regradient
             .then(|| gradients(context, &self.store, current, &settings))

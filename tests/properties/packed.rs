@@ -2,7 +2,9 @@
 
 use umbravox::headless::{Headless, Session};
 use umbravox::picture::Picture;
-use umbravox::scene::{AmbientOcclusion, Camera, Interpolation, RayProjection, Shading};
+use umbravox::scene::{
+    AmbientOcclusion, Camera, Classification, Interpolation, RayProjection, Shading,
+};
 use umbravox::volume::{Volume, Voxels};
 
 use crate::sessions::{Subject, assert_valid, device, largest_difference, point, shown};
@@ -78,6 +80,37 @@ fn first(subject: &Subject, device: &Headless) -> (Picture, bool) {
     let mut session = subject.session(device);
     let picture = session.frame().unwrap();
     (picture, packs(&mut session))
+}
+
+/// Shading that leaves colours as they are takes samples one by one; without it processors take two at once.
+#[test]
+fn samples_two_by_two_are_those_one_by_one() {
+    let device = device(|_| {});
+    for (name, plain) in kinds() {
+        for classification in [Classification::Post, Classification::Preintegrated] {
+            for (step, jitter) in [(1.0, false), (0.37, true)] {
+                let two = plain.with(|scene| {
+                    scene.march.classification = Some(classification);
+                    scene.march.step = step;
+                    scene.march.jitter = jitter;
+                    // Some rays end at the first of two samples.
+                    scene.march.early_termination = 0.4;
+                });
+                let one = two.with(|scene| {
+                    scene.lighting.shading = Shading::Diffuse;
+                    scene.lighting.ambient = 1.0;
+                    scene.lighting.diffuse = 0.0;
+                });
+                let what = format!("{name}, {classification:?}, step {step}");
+                let (two, packed) = first(&two, &device);
+                let (one, _) = first(&one, &device);
+                assert_eq!(packed, device.device().device_type == "cpu", "{what}");
+                assert!(shown(&two) > 100.0, "{what}");
+                assert!(two.rgba == one.rgba && two.depth == one.depth, "{what}");
+            }
+        }
+    }
+    assert_valid(&device);
 }
 
 #[test]

@@ -70,9 +70,9 @@ void add_segment(inout Accumulated acc, Ray ray, Brick b, Segment segment, Class
 // Two segments at once, of packed corners: what a sample reads, computes and adds is a long chain of steps that wait for each other, and
 // processors get no farther meanwhile than they look ahead. (Searches take one by one: a driver translates and inlines all of a module
 // before it knows what a variant needs, so the modules for those are without.)
-#ifndef VOTES
 layout(constant_id = SPEC_PAIRED) const bool PAIRED = false;
 
+#ifndef VOTES
 // Adds what two segments show over whole steps, the second only if `both`. `b`: the brick at their middles.
 void add_pair(inout Accumulated acc, Ray ray, Brick b, Segment segments[2], Classified shown[2], bool both) {
     bool on = true;

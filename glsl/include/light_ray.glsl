@@ -110,7 +110,11 @@ vec4[2] light_samples_at(LightRay ray, vec3 first_ix, vec3 second_ix) {
 // Gathers part `m`, or that and the next one if it comes before `end`. Returns the next one.
 uint gather_some(inout Gathered g, LightRay ray, uint m, uint end) {
     vec3 at_ix = middle_of_part(ray, float(m));
-    if (UNIFORM_GRID && PACKED_CELLS != 0u) {
+    bool two = false;
+    if (UNIFORM_GRID) {
+        two = PACKED_CELLS != 0u;
+    }
+    if (two) {
         vec4 here[2] = light_samples_at(ray, at_ix, middle_of_part(ray, float(m + 1u)));
         bool on = true;
         [[unroll]] for (int n = 0; n < 2; ++n) {

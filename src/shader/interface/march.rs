@@ -60,7 +60,6 @@ macro_rules! march_bindings {
             sampled(BINDING_COLOR),
             sampled(BINDING_GRADIENTS),
             texel_buffer(BINDING_GRADIENTS_TEN_BITS, Access::Read),
-            texel_buffer(BINDING_GRADIENTS_IN_FOURS, Access::Read),
             texel_buffer(BINDING_PACKED_CELLS, Access::Read),
             storage_image(BINDING_SKIP_LOADS, Access::Read),
             storage_image(BINDING_TRANSFER_LOADS, Access::Read),
@@ -69,6 +68,7 @@ macro_rules! march_bindings {
             storage_read(BINDING_BEAM_TILES),
             storage_read(BINDING_BEAM_LIST),
             storage_read(BINDING_BEAM_RUNS),
+            texel_buffer(BINDING_GRADIENTS_IN_FOURS, Access::Read),
         ]
     };
 }

@@ -235,10 +235,10 @@ const fn isosurface_bindings(target: Access) -> [Binding; 18] {
         sampled(BINDING_LABEL_TABLE),
         sampled(BINDING_GRADIENTS),
         texel_buffer(BINDING_GRADIENTS_TEN_BITS, Access::Read),
-        texel_buffer(BINDING_GRADIENTS_IN_FOURS, Access::Read),
         texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         storage_image(BINDING_SKIP_LOADS, Access::Read),
         texel_buffer(BINDING_GRADIENTS_HALVES, Access::Read),
+        texel_buffer(BINDING_GRADIENTS_IN_FOURS, Access::Read),
     ]
 }
 
@@ -265,11 +265,11 @@ pub const GRADIENTS: PassInterface = PassInterface {
         sampled(BINDING_ATLAS),
         sampled(BINDING_INDEX),
         texel_buffer(BINDING_GRADIENTS_TEN_BITS, Access::Write),
-        texel_buffer(BINDING_GRADIENTS_IN_FOURS, Access::Write),
         storage_read(BINDING_CHUNKS),
         texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         texel_buffer(BINDING_GRADIENTS_HALVES, Access::Write),
         storage_image(BINDING_GRADIENTS_STORE, Access::Write),
+        texel_buffer(BINDING_GRADIENTS_IN_FOURS, Access::Write),
     ],
     push_constants: Some(PartPush::LAYOUT),
     spec_ids: &[
@@ -301,9 +301,9 @@ pub const PREINTEGRATE: PassInterface = PassInterface {
     module: &generated::PREINTEGRATE,
     bindings: &[
         sampled(BINDING_INTEGRALS),
-        storage_image(BINDING_INTEGRALS_LOADS, Access::Read),
         storage_image(BINDING_PREINTEGRATED_STORE, Access::Write),
         storage_image(BINDING_PREINTEGRATED_EMISSION_STORE, Access::Write),
+        storage_image(BINDING_INTEGRALS_LOADS, Access::Read),
     ],
     push_constants: None,
     spec_ids: &[SPEC_EMISSION, SPEC_LOADS],

@@ -57,11 +57,11 @@ const fn transport_bindings(target: Access) -> [Binding; 24] {
         storage_image(BINDING_THROUGH, Access::Write),
         sampled(BINDING_GRADIENTS),
         texel_buffer(BINDING_GRADIENTS_TEN_BITS, Access::Read),
-        texel_buffer(BINDING_GRADIENTS_IN_FOURS, Access::Read),
         texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         storage_image(BINDING_SKIP_LOADS, Access::Read),
         storage_image(BINDING_TRANSFER_LOADS, Access::Read),
         texel_buffer(BINDING_GRADIENTS_HALVES, Access::Read),
+        texel_buffer(BINDING_GRADIENTS_IN_FOURS, Access::Read),
     ]
 }
 

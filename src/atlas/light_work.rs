@@ -12,10 +12,8 @@ use crate::shader::structs::BrickRecord;
 use crate::volume::blocks::{BLOCK_CELLS, BlockGrid, LEVELS};
 use crate::volume::cells::SKIP_CELLS;
 
-use super::lit_voxels::{LitVoxels, Occupancy};
+use super::lit_voxels::{GROUP, LitVoxels, Occupancy};
 use super::residency::Residency;
-
-pub(crate) use super::lit_voxels::GROUP;
 
 /// Index into the table of bricks; group inside the brick, 8 bits an axis; the samples, a bit each, x fastest.
 pub(crate) type WorkEntry = [u32; 4];

@@ -29,7 +29,8 @@ pub(crate) use gradients::{
 };
 pub(crate) use images::{Images, LIGHT_TEXEL_BYTES, LightLists, TableImages};
 pub(crate) use labels::LabelImages;
-pub(crate) use light_work::{GROUP, LightWork};
+pub(crate) use light_work::LightWork;
+pub(crate) use lit_voxels::GROUP;
 pub(crate) use majorant::Majorants;
 pub(crate) use medium::{LightGrid, MediumExtents, MediumImages, MediumTexels};
 pub(crate) use packed_cells::{PackedCells, Packing};

@@ -83,7 +83,9 @@ void main() {
         uint bits = bits_of(beam, i, min(end, beam.segments), mixed);
         all |= bits;
         if (SHOWN_CELLS) {
-            for (uint k = 0u; k < 4u; ++k) {
+            // Nothing reads words before the first that has any.
+            uint words = all == 0u ? 0u : 4u;
+            for (uint k = 0u; k < words; ++k) {
                 beam_runs[bits_at + word + k] = fourfold(bits >> (8u * k) & 0xffu);
             }
             word += 4u;
@@ -100,7 +102,7 @@ void main() {
     }
     if (all != 0u) {
         uint place = atomicAdd(beam_tiles[push.beam_tile].w, 1u);
-        beam_list[push.first_beam + place] = beam_xy.x | beam_xy.y << 16u;
+        beam_list[push.first_beam + place] = beam_listed(beam_xy, first_word, end_word);
         const uint row = BEAM_GROUPS_A_ROW * BEAMS_A_GROUP;
         if (place % row == 0u) {
             beam_tiles[push.beam_tile].x = BEAM_GROUPS_A_ROW;

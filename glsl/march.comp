@@ -96,10 +96,10 @@ void add_pair(inout Accumulated acc, Ray ray, Brick b, Segment segments[2], Clas
 #endif
 
 void main() {
-    uint bits_at = 0u;
+    ListedBeam beam = ListedBeam(0u, 0u, ~0u);
     uvec2 px;
     if (BEAMS) {
-        px = beam_pixel(bits_at);
+        px = beam_pixel(beam);
     } else {
         px = frame_pixel();
     }
@@ -112,7 +112,7 @@ void main() {
     // The last segment is shorter and comes by itself after the loops, so that they need no power function.
     uint count = segment_count(ray, shift);
     uint whole = count - min(count, 1u);
-    march_whole(acc, ray, bits_at, whole, count, shift);
+    march_whole(acc, ray, beam, whole, count, shift);
     if (count > 0u && acc.opacity < frame.early_termination) {
         Segment last = segment_of(whole, count, ray.extent, shift);
         Brick b;

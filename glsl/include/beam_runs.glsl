@@ -9,15 +9,26 @@ layout(set = 0, binding = BINDING_BEAM_TILES) readonly buffer BeamTiles { uvec4 
 layout(set = 0, binding = BINDING_BEAM_LIST) readonly buffer BeamList { uint beam_list[]; };
 layout(set = 0, binding = BINDING_BEAM_RUNS) readonly buffer BeamRuns { uint beam_runs[]; };
 
-// The pixel of an invocation, beyond the tile where the list has ended; and where its beam's bits are.
-uvec2 beam_pixel(out uint bits_at) {
+// The bits of a beam, and the segments [first, end) beyond which none of them is set.
+struct ListedBeam {
+    uint bits_at;
+    uint first;
+    uint end;
+};
+
+// The pixel of an invocation, beyond the tile where the list has ended; and its beam.
+uvec2 beam_pixel(out ListedBeam listed_beam) {
     uint at = gl_LocalInvocationIndex;
     uint group = dealt(gl_WorkGroupID.y, gl_NumWorkGroups.y) * BEAM_GROUPS_A_ROW + gl_WorkGroupID.x;
     uint place = group * BEAMS_A_GROUP + at / BEAM_PIXELS;
     bool listed = place < beam_tiles[push.beam_tile].w;
-    uint beam_xy = beam_list[push.first_beam + (listed ? place : 0u)];
-    uvec2 beam = uvec2(beam_xy & 0xffffu, beam_xy >> 16u);
-    bits_at = beam_at(beam) * frame.beam_words;
+    uint entry = beam_list[push.first_beam + (listed ? place : 0u)];
+    uvec2 beam = uvec2(entry & 0x7ffu, entry >> 11 & 0xfffu);
+    listed_beam = ListedBeam(beam_at(beam) * frame.beam_words, 0u, ~0u);
+    if (SHOWN_CELLS) {
+        listed_beam.first = (entry >> 23 & 15u) * 128u;
+        listed_beam.end = ((entry >> 27) + 1u) * 128u;
+    }
     uvec2 px = push.tile_px + BEAM_PX * beam + pixel_of_beam(at % BEAM_PIXELS);
     return listed ? px : push.tile_end_px;
 }

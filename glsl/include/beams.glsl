@@ -7,6 +7,12 @@ layout(constant_id = SPEC_SHOWN_CELLS) const bool SHOWN_CELLS = false;
 const uvec2 BEAM_PX = uvec2(4u, 2u);
 const uint BEAM_PIXELS = BEAM_PX.x * BEAM_PX.y;
 
+// An entry of the list: 11 bits of x and 12 of y, in beams from the tile's corner, and of the bits for single segments the first and the
+// last four words that have any, 4 bits each. (Tiles have up to 8192 pixels on an edge, beams up to 64 words; src/renderer/beams.rs.)
+uint beam_listed(uvec2 beam, uint first_word, uint end_word) {
+    return beam.x | beam.y << 11 | first_word / 4u << 23 | (end_word - 1u) / 4u << 27;
+}
+
 // The march takes a list by rows of so many workgroups of 8 beams (src/pass/beams.rs).
 const uint BEAM_GROUPS_A_ROW = 32u;
 const uint BEAMS_A_GROUP = 8u;

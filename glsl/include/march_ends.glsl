@@ -74,13 +74,14 @@ uint add_some(inout Accumulated acc, Ray ray, inout Node front, uint i, uint end
 }
 
 // The first `whole` of `count` segments, sampled at their ends and integrated between.
-void march_whole(inout Accumulated acc, Ray ray, uint bits_at, uint whole, uint count, float shift) {
-    uint i = 0u;
+void march_whole(inout Accumulated acc, Ray ray, ListedBeam beam, uint whole, uint count, float shift) {
+    uint i = beam.first;
+    whole = min(whole, beam.end);
     if (i < whole) {
         do {
             EndsRun run;
             if (BEAMS) {
-                BeamRun shown = next_beam_run(bits_at, i, whole);
+                BeamRun shown = next_beam_run(beam.bits_at, i, whole);
                 run = EndsRun(shown.first, shown.end);
             } else {
                 run = next_run(ray, i, count, shift);

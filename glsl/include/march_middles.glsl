@@ -99,16 +99,16 @@ uint add_some(inout Accumulated acc, Ray ray, Brick b, uint i, uint end, float s
     return add_next(acc, ray, b, i, end, shift);
 }
 
-// The first `whole` segments, at least one, of those that the beam lists, a bit each.
-void march_listed(inout Accumulated acc, Ray ray, uint bits_at, uint whole, float shift) {
+// The first `whole` segments of those that the beam lists, a bit each; one of them at least is not before its first.
+void march_listed(inout Accumulated acc, Ray ray, ListedBeam beam, uint whole, float shift) {
     uint words = min((whole + 31u) / 32u, frame.beam_words);
-    uint word = 0u;
+    uint word = beam.first / 32u;
     do {
         uint bits = 0u;
         bool none;
         do {
             uint left = whole - 32u * word;
-            uint listed = beam_runs[bits_at + word] & (left < 32u ? (1u << left) - 1u : ~0u);
+            uint listed = beam_runs[beam.bits_at + word] & (left < 32u ? (1u << left) - 1u : ~0u);
             none = listed == 0u && word + 1u < words;
             bits |= listed;
             word += uint(none);
@@ -125,10 +125,11 @@ void march_listed(inout Accumulated acc, Ray ray, uint bits_at, uint whole, floa
 
 // The first `whole` of `count` segments, sampled at their middles. Jittered rays have a shorter first one too and take the exact
 // path throughout.
-void march_whole(inout Accumulated acc, Ray ray, uint bits_at, uint whole, uint count, float shift) {
+void march_whole(inout Accumulated acc, Ray ray, ListedBeam beam, uint whole, uint count, float shift) {
     if (SHOWN_CELLS) {
-        if (whole > 0u) {
-            march_listed(acc, ray, bits_at, whole, shift);
+        whole = min(whole, beam.end);
+        if (beam.first < whole) {
+            march_listed(acc, ray, beam, whole, shift);
         }
         return;
     }
@@ -139,7 +140,7 @@ void march_whole(inout Accumulated acc, Ray ray, uint bits_at, uint whole, uint 
             vec3 p_ix = vec3(0.0);
             uint run_end;
             if (BEAMS) {
-                BeamRun run = next_beam_run(bits_at, i, whole);
+                BeamRun run = next_beam_run(beam.bits_at, i, whole);
                 i = run.first;
                 run_end = run.end;
             } else {

@@ -13,6 +13,7 @@ use crate::gpu::memory::MemoryLocation;
 use crate::gpu::{Buffer, Context, Filter, Image, ImageInfo, Sampler, TexelBuffer};
 use crate::scene::ColorManagement;
 use crate::volume::VoxelType;
+use crate::volume::shown_cells::ShownCells;
 
 /// Format of the light volume.
 pub(crate) const LIGHT_FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
@@ -167,11 +168,11 @@ impl Images {
     pub(crate) fn shown_cells(
         context: &Arc<Context>,
         name: &str,
-        cells: Option<&[u64]>,
+        cells: Option<&[ShownCells]>,
     ) -> Result<Option<TexelBuffer>> {
         let name = format!("{name}.shown_cells");
         let format = NoTexels::SHOWN_CELLS;
-        let most = TexelBuffer::max_bytes(context, size_of::<u64>() as u32);
+        let most = TexelBuffer::max_bytes(context, size_of::<ShownCells>() as u32);
         let bytes: Option<&[u8]> = cells.map(bytemuck::cast_slice);
         let Some(bytes) = bytes.filter(|bytes| bytes.len() as u64 <= most) else {
             return Ok(None);
@@ -222,7 +223,7 @@ pub(crate) struct NoTexels {
 }
 
 impl NoTexels {
-    const SHOWN_CELLS: vk::Format = vk::Format::R32G32_UINT;
+    const SHOWN_CELLS: vk::Format = vk::Format::R32G32B32A32_UINT;
 
     fn new(context: &Arc<Context>, name: &str) -> Result<Self> {
         let texel = |part: &str, format| {

@@ -7,7 +7,7 @@ use crate::scene::Interpolation;
 use crate::volume::blocks::{BLOCK_CELLS, BlockGrid, FINEST};
 use crate::volume::cells::{CellGrid, Reach, SKIP_CELLS};
 use crate::volume::leaps::octant_leaps;
-use crate::volume::shown_cells::shown_cells;
+use crate::volume::shown_cells::{ShownCells, shown_cells};
 use crate::volume::visible_ranges::{VisibleEnds, VisibleRanges};
 
 use super::light_work::LightWork;
@@ -20,7 +20,7 @@ pub(crate) struct Visibility {
     /// By skip cell: see [`octant_leaps`]; [`WHOLE_BLOCK`] for a 0 whose whole block is 0.
     pub(crate) leaps: Arc<Vec<u32>>,
     /// See [`shown_cells()`]; `None` where nobody asks, or nothing finer than skip cells is known.
-    pub(crate) cells: Option<Vec<u64>>,
+    pub(crate) cells: Option<Vec<ShownCells>>,
     /// What was asked for.
     cells_asked: Option<f64>,
     pub(crate) light: LightWork,
@@ -179,7 +179,7 @@ impl<'a> VisibilityRequest<'a> {
         &self,
         ranges: &VisibleRanges<'_, Shown<'_>>,
         occupancy: &[u8],
-    ) -> Option<Vec<u64>> {
+    ) -> Option<Vec<ShownCells>> {
         // Those of coarser bricks, and of wider filters, say nothing.
         if !self.residency.layout.is_grid() || self.reach().is_some() {
             return None;

@@ -14,7 +14,14 @@ const ROWS_LOOKED_AT: usize = 64;
 
 const EDGE: usize = SKIP_CELLS as usize;
 
-/// By skip cell, x fastest, a bit for each of its 4^3 cells between voxels, x fastest: 0 only where trilinear interpolation in this cell and
+/// Cells between voxels along x, y, z that a [`ShownCells`] tells of: its skip cell's and the first ones behind it, so that most boxes of
+/// a few cells lie in one.
+pub const REACH: [usize; 3] = [6, 5, 4];
+
+/// What may show in and around a skip cell: a word for each slice, in it rows of [`REACH`]`[0]` bits, x fastest.
+pub type ShownCells = [u32; REACH[2]];
+
+/// By skip cell, x fastest, a bit for each cell between voxels in its reach: 0 only where trilinear interpolation in this cell and
 /// in the next ones along all axes, or any of the voxels around these eight, shows nothing. Skip cells with an `occupancy` of 0 show nothing.
 ///
 /// `None` where voxels are no integers, and where more than `most` of the cells in occupied skip cells show something, as estimated from
@@ -29,7 +36,7 @@ pub fn shown_cells(
     occupancy: &[u8],
     ends: &VisibleEnds,
     most: f64,
-) -> Option<Vec<u64>> {
+) -> Option<Vec<ShownCells>> {
     let intervals = ends.intervals(MOST_INTERVALS);
     let size = size.map(|n| n as usize);
     let counts = counts.map(|n| n as usize);
@@ -47,7 +54,8 @@ pub fn shown_cells(
                 size,
                 counts,
             };
-            (rows.share(occupancy, &intervals) <= most).then(|| rows.shown(occupancy, &intervals))
+            (rows.share(occupancy, &intervals) <= most)
+                .then(|| reaching(counts, &rows.shown(occupancy, &intervals)))
         }};
     }
     match voxels {
@@ -71,6 +79,41 @@ fn add_next(shown: &mut [u64], ahead: usize, shift: u32, inner: u64) {
         let within = shown[at] >> shift & inner;
         shown[at] |= within | next << (3 * shift) & !inner;
     }
+}
+
+/// Of four rows of four bits each, six bits apart.
+fn spread(rows: u64) -> u32 {
+    let rows = rows as u32;
+    rows & 0xf | (rows & 0xf0) << 2 | (rows & 0xf00) << 4 | (rows & 0xf000) << 6
+}
+
+/// Adds to the bits of each skip cell those of the next ones that it reaches.
+fn reaching([width, height, _]: [usize; 3], shown: &[u64]) -> Vec<ShownCells> {
+    const LAST_ROW: usize = REACH[0] * EDGE;
+    let slice = |bits: u64, z: usize| bits >> (EDGE * EDGE * z) & 0xffff;
+    let row_of = |row: usize| shown.get(row * width..(row + 1) * width).unwrap_or(&[]);
+    let mut reaching = vec![ShownCells::default(); shown.len()];
+    let rows = reaching.par_chunks_mut(width).with_min_len(8).enumerate();
+    rows.for_each(|(row, reaching)| {
+        let own = row_of(row);
+        let is_last = (row + 1).is_multiple_of(height);
+        let behind = if is_last { &[] } else { row_of(row + 1) };
+        for (x, words) in reaching.iter_mut().enumerate() {
+            let bits = |row: &[u64], x: usize| row.get(x).copied().unwrap_or(0);
+            let [near, next] = [bits(own, x), bits(own, x + 1)];
+            let [far, far_next] = [bits(behind, x), bits(behind, x + 1)];
+            if near | next | far | far_next == 0 {
+                continue;
+            }
+            for (z, word) in words.iter_mut().enumerate() {
+                *word = spread(slice(near, z))
+                    | spread(slice(next, z) & 0x3333) << EDGE
+                    | (spread(slice(far, z) & 0xf) | spread(slice(far_next, z) & 3) << EDGE)
+                        << LAST_ROW;
+            }
+        }
+    });
+    reaching
 }
 
 struct Rows<'a, V> {
@@ -285,10 +328,13 @@ mod tests {
         let ends = ranges.ends().unwrap();
         let bits = shown_cells(voxels, SIZE, counts, &occupancy, ends, 1.0).unwrap();
         for (skip, bits) in places(counts).zip(bits) {
-            for (bit, cell) in within(skip).enumerate() {
+            for within in places(REACH.map(|n| n as u32)) {
+                let cell: [u32; 3] = std::array::from_fn(|a| SKIP_CELLS * skip[a] + within[a]);
                 let expected =
                     places([2; 3]).any(|next| shows(std::array::from_fn(|a| cell[a] + next[a])));
-                assert_eq!(bits >> bit & 1 == 1, expected, "{cell:?} {:?}", shown.0);
+                let [x, y, z] = within;
+                let bit = bits[z as usize] >> (x + REACH[0] as u32 * y) & 1;
+                assert_eq!(bit == 1, expected, "{cell:?} of {skip:?} {:?}", shown.0);
             }
         }
         // What most cells show is not worth it.

@@ -1,6 +1,6 @@
 //! What the transfer function shows of the resident bricks.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use crate::error::Result;
 use crate::scene::Interpolation;
@@ -28,6 +28,8 @@ pub(crate) struct Visibility {
     reach: Option<Reach>,
     /// All that the transfer function says of ranges of integers.
     ends: Option<VisibleEnds>,
+    /// [`Visibility::bounds`], once they were asked for.
+    bounds: OnceLock<Option<[[u32; 3]; 2]>>,
 }
 
 /// What visibility follows from.
@@ -56,6 +58,7 @@ impl Visibility {
             light: request.light(&ranges, &occupancy)?,
             reach: request.reach(),
             ends: ranges.into_ends(),
+            bounds: OnceLock::new(),
         })
     }
 
@@ -91,7 +94,36 @@ impl Visibility {
             light: request.light(&ranges, &occupancy)?,
             reach,
             ends: ranges.into_ends(),
+            bounds: if same_cells {
+                self.bounds.clone()
+            } else {
+                OnceLock::new()
+            },
         }))
+    }
+
+    /// First and last of the skip cells that show something, on each axis; `None` where nothing shows. `counts`: of all skip cells.
+    pub(crate) fn bounds(&self, [width, height, _]: [u32; 3]) -> Option<[[u32; 3]; 2]> {
+        let shows = |&word: &u32| word <= WHOLE_BLOCK;
+        let of_row = |(row, words): (usize, &[u32])| {
+            let [first, last] = [
+                words.iter().position(shows)?,
+                words.iter().rposition(shows)?,
+            ];
+            let row = row as u32;
+            let at = |x: usize| [x as u32, row % height, row / height];
+            Some([at(first), at(last)])
+        };
+        let join = |[low, high]: [[u32; 3]; 2], [first, last]: [[u32; 3]; 2]| {
+            let each = |pick: fn(u32, u32) -> u32, a: [u32; 3], b: [u32; 3]| {
+                std::array::from_fn(|axis| pick(a[axis], b[axis]))
+            };
+            [each(u32::min, low, first), each(u32::max, high, last)]
+        };
+        *self.bounds.get_or_init(|| {
+            let rows = self.leaps.chunks_exact(width as usize).enumerate();
+            rows.filter_map(of_row).reduce(join)
+        })
     }
 
     /// Linear indices of the skip cells that show something.

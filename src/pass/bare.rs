@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::{Variants, tile_groups, tiles, use_packed_cells, use_transfer};
+use super::{Rectangle, Variants, use_packed_cells, use_transfer};
 use crate::atlas::Images;
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Recorder, Uniforms};
@@ -78,14 +78,14 @@ impl BarePass {
         ];
         recorder.bind(pipeline, &bound)?;
         let extent_texel = size.map(|n| 1.0 / n as f32);
-        for (tile_px, tile_end_px) in tiles(size_px, tile) {
+        for tile in Rectangle::of_size(size_px).tiles(tile) {
             let push = BarePush {
-                tile_px,
-                tile_end_px,
+                tile_px: tile.first,
+                tile_end_px: tile.end,
                 extent_texel,
                 pad0: 0.0,
             };
-            recorder.dispatch(pipeline, &push, tile_groups(tile_px, tile_end_px));
+            recorder.dispatch(pipeline, &push, tile.groups());
         }
         Ok(())
     }

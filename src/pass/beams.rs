@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::{Constants, Variants, tiles};
+use super::{Constants, Rectangle, Variants};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Buffer, Context, MemoryLocation, Recorder};
 use crate::shader::PassInterface;
@@ -22,7 +22,7 @@ use crate::shader::generated::{BINDING_BEAM_LIST, BINDING_BEAM_RUNS, BINDING_BEA
 use crate::shader::structs::MarchPush;
 
 /// Pixels of a beam, as in `glsl/include/beams.glsl`.
-const BEAM_PX: [u32; 2] = [4, 2];
+pub(crate) const BEAM_PX: [u32; 2] = [4, 2];
 
 /// How rays are cut into runs of segments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,9 +45,10 @@ pub(crate) struct BeamCounts {
 impl BeamCounts {
     pub(crate) fn of(size_px: [u32; 2], tile: u32) -> Self {
         let none = Self { tiles: 0, beams: 0 };
-        tiles(size_px, tile).fold(none, |sum, (first, end)| Self {
+        let tiles = Rectangle::of_size(size_px).tiles(tile);
+        tiles.fold(none, |sum, tile| Self {
             tiles: sum.tiles + 1,
-            beams: sum.beams + beams_of_tile(first, end),
+            beams: sum.beams + beams_of(tile),
         })
     }
 
@@ -154,7 +155,7 @@ impl BeamsPass {
         constants: Constants,
         bound: &[(u32, Bound<'_>)],
         beams: &Beams,
-        size_px: [u32; 2],
+        area: Rectangle,
         tile: u32,
     ) -> Result<()> {
         let pipeline = self.variants.get(context, interface, constants)?;
@@ -163,8 +164,8 @@ impl BeamsPass {
             recorder.use_buffer(buffer, Access::Storage);
         }
         recorder.bind(pipeline, bound)?;
-        for push in march_tiles(size_px, tile) {
-            recorder.dispatch(pipeline, &push, beam_groups(&push));
+        for (tile, push) in march_tiles(area, tile) {
+            recorder.dispatch(pipeline, &push, beam_groups(tile));
         }
         for (_, buffer) in beams.buffers() {
             recorder.use_buffer(buffer, Access::Indirect);
@@ -176,36 +177,37 @@ impl BeamsPass {
 /// Of a tile: workgroups on three axes, beams listed.
 pub(super) const TILE_BYTES: u64 = 16;
 
-fn beams_on_axes(first: [u32; 2], end: [u32; 2]) -> [u32; 2] {
-    [0, 1].map(|axis| (end[axis] - first[axis]).div_ceil(BEAM_PX[axis]))
+fn beams_on_axes(tile: Rectangle) -> [u32; 2] {
+    [0, 1].map(|axis| (tile.end[axis] - tile.first[axis]).div_ceil(BEAM_PX[axis]))
 }
 
-fn beams_of_tile(first: [u32; 2], end: [u32; 2]) -> u64 {
-    let [x, y] = beams_on_axes(first, end);
+fn beams_of(tile: Rectangle) -> u64 {
+    let [x, y] = beams_on_axes(tile);
     u64::from(x) * u64::from(y)
 }
 
 /// Workgroups of 8 x 8 beams that cover a tile.
-fn beam_groups(push: &MarchPush) -> [u32; 3] {
-    let [x, y] = beams_on_axes(push.tile_px, push.tile_end_px);
-    [x.div_ceil(8), y.div_ceil(8), 1]
+fn beam_groups(tile: Rectangle) -> [u32; 3] {
+    let [x, y] = beams_on_axes(tile).map(|beams| beams.div_ceil(8));
+    [x, y, 1]
 }
 
-/// The tiles of a picture, with where their beams are, if any are cast.
-pub(super) fn march_tiles(size_px: [u32; 2], tile: u32) -> impl Iterator<Item = MarchPush> {
+/// The tiles of a part of a picture, with where their beams are, if any are cast.
+pub(super) fn march_tiles(
+    area: Rectangle,
+    tile: u32,
+) -> impl Iterator<Item = (Rectangle, MarchPush)> {
     let mut first_beam = 0;
-    tiles(size_px, tile)
-        .zip(0..)
-        .map(move |((tile_px, tile_end_px), beam_tile)| {
-            let push = MarchPush {
-                tile_px,
-                tile_end_px,
-                beam_tile,
-                first_beam,
-            };
-            first_beam += beams_of_tile(tile_px, tile_end_px) as u32;
-            push
-        })
+    area.tiles(tile).zip(0..).map(move |(tile, beam_tile)| {
+        let push = MarchPush {
+            tile_px: tile.first,
+            tile_end_px: tile.end,
+            beam_tile,
+            first_beam,
+        };
+        first_beam += beams_of(tile) as u32;
+        (tile, push)
+    })
 }
 
 #[cfg(test)]
@@ -221,9 +223,9 @@ mod tests {
             ([33, 70], 32),
         ] {
             let mut next = 0;
-            for push in march_tiles(size, tile) {
+            for (tile, push) in march_tiles(Rectangle::of_size(size), tile) {
                 assert_eq!(push.first_beam, next);
-                next += beams_of_tile(push.tile_px, push.tile_end_px) as u32;
+                next += beams_of(tile) as u32;
             }
             let counts = BeamCounts::of(size, tile);
             assert_eq!(counts.beams, u64::from(next));

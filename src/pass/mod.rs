@@ -233,27 +233,38 @@ fn use_labels<'a>(
     })
 }
 
-/// Consecutive pieces of a picture of `size`, at most `tile` on an edge: first pixel and end.
-pub(crate) fn tiles(size: [u32; 2], tile: u32) -> impl Iterator<Item = ([u32; 2], [u32; 2])> {
-    (0..size[1].div_ceil(tile)).flat_map(move |y| {
-        (0..size[0].div_ceil(tile)).map(move |x| {
-            let first = [x * tile, y * tile];
-            (
-                first,
-                [
-                    (first[0] + tile).min(size[0]),
-                    (first[1] + tile).min(size[1]),
-                ],
-            )
-        })
-    })
+/// Pixels of a picture from a first one up to an end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Rectangle {
+    pub(crate) first: [u32; 2],
+    pub(crate) end: [u32; 2],
 }
 
-/// Workgroups of 8 x 8 that cover a tile.
-pub(crate) fn tile_groups(first: [u32; 2], end: [u32; 2]) -> [u32; 3] {
-    [
-        (end[0] - first[0]).div_ceil(8),
-        (end[1] - first[1]).div_ceil(8),
-        1,
-    ]
+impl Rectangle {
+    /// A whole picture.
+    pub(crate) fn of_size(size: [u32; 2]) -> Self {
+        Self {
+            first: [0; 2],
+            end: size,
+        }
+    }
+
+    /// Consecutive pieces, at most `tile` on an edge.
+    pub(crate) fn tiles(self, tile: u32) -> impl Iterator<Item = Self> {
+        let Self { first, end } = self;
+        let axis = move |axis: usize| (first[axis]..end[axis]).step_by(tile as usize);
+        axis(1).flat_map(move |y| {
+            axis(0).map(move |x| Self {
+                first: [x, y],
+                end: [(x + tile).min(end[0]), (y + tile).min(end[1])],
+            })
+        })
+    }
+
+    /// Workgroups of 8 x 8 that cover it.
+    pub(crate) fn groups(self) -> [u32; 3] {
+        let Self { first, end } = self;
+        let [x, y] = [0, 1].map(|axis| (end[axis] - first[axis]).div_ceil(8));
+        [x, y, 1]
+    }
 }

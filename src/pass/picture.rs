@@ -15,7 +15,7 @@ use ash::vk;
 
 use super::beams::{Beams, BeamsPass, TILE_BYTES, march_tiles};
 use super::{
-    Reconstruction, Variants, gradient_constant, sampled, tile_groups, use_field, use_gradients,
+    Reconstruction, Rectangle, Variants, gradient_constant, sampled, use_field, use_gradients,
     use_labels, use_texel_buffer, use_texels,
 };
 use crate::atlas::{
@@ -348,7 +348,7 @@ impl PicturePass {
         recorder: &mut Recorder<'_>,
         variant: PictureVariant,
         resources: &PictureResources<'_>,
-        size_px: [u32; 2],
+        area: Rectangle,
         tile: u32,
     ) -> Result<()> {
         let interface = variant.interface();
@@ -456,10 +456,10 @@ impl PicturePass {
             let interface = variant.interface_of(&interface::BEAMS);
             let constants = variant.constants();
             self.beams_pass.record(
-                context, recorder, interface, constants, &bound, beams, size_px, tile,
+                context, recorder, interface, constants, &bound, beams, area, tile,
             )?;
             recorder.bind(pipeline, &bound)?;
-            for push in march_tiles(size_px, tile) {
+            for (_, push) in march_tiles(area, tile) {
                 let at = TILE_BYTES * u64::from(push.beam_tile);
                 recorder.dispatch_indirect(pipeline, &push, &beams.tiles, at);
             }
@@ -469,9 +469,8 @@ impl PicturePass {
             bound.push((binding, Bound::Storage(&self.unused_buffer)));
         }
         recorder.bind(pipeline, &bound)?;
-        for push in march_tiles(size_px, tile) {
-            let groups = tile_groups(push.tile_px, push.tile_end_px);
-            recorder.dispatch(pipeline, &push, groups);
+        for (tile, push) in march_tiles(area, tile) {
+            recorder.dispatch(pipeline, &push, tile.groups());
         }
         Ok(())
     }

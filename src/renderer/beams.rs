@@ -9,8 +9,10 @@ use super::loaded::{Loaded, NAME};
 use super::settings::Settings;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
-use crate::pass::beams::{BeamCounts, BeamLengths, Beams};
+use crate::pass::Rectangle;
+use crate::pass::beams::{BEAM_PX, BeamCounts, BeamLengths, Beams};
 use crate::scene::Shading;
+use crate::volume::cells::SKIP_CELLS;
 
 /// Words of bits for a beam, at most, where a bit stands for a run of segments: with the shortest runs they are enough for rays of a
 /// thousand segments.
@@ -108,6 +110,40 @@ impl Loaded {
             }
         }
         Ok(None)
+    }
+
+    /// The pixels whose rays may meet something that shows, and some around them: whole beams, so that which rays share one does not
+    /// depend on it.
+    pub(super) fn shown_pixels(&self, rays: &RayBasis, size_px: [u32; 2]) -> Rectangle {
+        let nowhere = Rectangle::of_size([0; 2]);
+        let Some([first, last]) = self.visibility.bounds(self.residency.cells.counts()) else {
+            return nowhere;
+        };
+        let volume = &self.store.volume;
+        let world_from_ix = volume.world_from_ix();
+        let corners: [DVec3; 8] = std::array::from_fn(|corner| {
+            let ix = [0, 1, 2].map(|axis| {
+                let cell = if corner >> axis & 1 == 0 {
+                    first[axis]
+                } else {
+                    last[axis] + 1
+                };
+                f64::from((SKIP_CELLS * cell).min(volume.size()[axis] - 1))
+            });
+            world_from_ix.transform_point3(DVec3::from_array(ix))
+        });
+        let Some(seen) = rays.rectangle_of(&corners) else {
+            return Rectangle::of_size(size_px);
+        };
+        // The device rounds otherwise.
+        let [low, high] = [seen[0] - 1.0, seen[1] + 1.0].map(|pixel| pixel.to_array());
+        let pixel = |axis: usize, pixel: f64| pixel.clamp(0.0, size_px[axis].into()) as u32;
+        let area = Rectangle {
+            first: [0, 1].map(|axis| pixel(axis, low[axis]) / BEAM_PX[axis] * BEAM_PX[axis]),
+            end: [0, 1].map(|axis| pixel(axis, high[axis].ceil())),
+        };
+        let is_empty = (0..2).any(|axis| area.first[axis] >= area.end[axis]);
+        if is_empty { nowhere } else { area }
     }
 
     /// True where pixels are at most so many voxels apart in the middle of the volume.

@@ -12,12 +12,12 @@ use super::{Frame, FrameReport, Paths, RayBasis, pass_name};
 use crate::atlas::{GradientVolume, PackedCells, Pages, UploadResources};
 use crate::error::{Error, Result};
 use crate::gpu::{Context, Recorder, Uniforms};
-use crate::pass::Reconstruction;
 use crate::pass::bare::BareResources;
 use crate::pass::beams::BeamLengths;
 use crate::pass::picture::{PictureResources, PictureVariant};
 use crate::pass::scatter::ScatterVariant;
 use crate::pass::shadow::ShadowResources;
+use crate::pass::{Reconstruction, Rectangle};
 use crate::scene::{Classification, Interpolation, OpticalModel, RayProjection, Shading};
 use crate::shader::structs::{FrameParams, SurfaceParams, VolumeParams};
 
@@ -252,6 +252,10 @@ impl Loaded {
         };
         let medium = self.medium_uniforms(recorder)?;
         let cleared = target.own.filter(|_| beams.is_some());
+        let area = match cleared {
+            Some(_) => self.shown_pixels(&frame.rays, target.size_px),
+            None => Rectangle::of_size(target.size_px),
+        };
         let Settings {
             march, lighting, ..
         } = &self.settings;
@@ -338,7 +342,7 @@ impl Loaded {
                 aux: frame.aux,
                 beams: beams.as_ref(),
             };
-            picture_pass.record(context, recorder, variant, &resources, target.size_px, tile)
+            picture_pass.record(context, recorder, variant, &resources, area, tile)
         });
         self.beams = beams;
         recorded

@@ -1,6 +1,6 @@
 //! Cameras as rays: a scene's view, or a host's matrices.
 
-use glam::{DAffine3, DMat4, DVec3, DVec4};
+use glam::{DAffine3, DMat3, DMat4, DVec2, DVec3, DVec4};
 
 use crate::scene::{Projection, View};
 
@@ -128,6 +128,30 @@ impl RayBasis {
         .all(|v| v.is_finite());
         finite.then_some(basis)
     }
+
+    /// The smallest rectangle of the picture, first corner and last, in which points lie; `None` where one of them is not in front of
+    /// the eye, or rays neither have an eye nor are parallel.
+    pub(crate) fn rectangle_of(&self, points: &[DVec3]) -> Option<[DVec2; 2]> {
+        let has_eye = self.origin_dx == DVec3::ZERO && self.origin_dy == DVec3::ZERO;
+        let parallel = self.direction_dx == DVec3::ZERO && self.direction_dy == DVec3::ZERO;
+        let [dx, dy] = match (has_eye, parallel) {
+            (true, false) => [self.direction_dx, self.direction_dy],
+            (false, true) => [self.origin_dx, self.origin_dy],
+            _ => return None,
+        };
+        let pixel_from_world = DMat3::from_cols(dx, dy, self.direction).inverse();
+        let none = [DVec2::INFINITY, DVec2::NEG_INFINITY];
+        points.iter().try_fold(none, |[low, high], &point| {
+            let at = pixel_from_world * (point - self.origin);
+            let pixel = if has_eye {
+                at.truncate() / at.z
+            } else {
+                at.truncate()
+            };
+            let seen = (parallel || at.z > 0.0) && pixel.is_finite();
+            seen.then(|| [low.min(pixel), high.max(pixel)])
+        })
+    }
 }
 
 fn invert(m: DMat4) -> Option<DMat4> {
@@ -150,7 +174,7 @@ mod tests {
         orthographic, perspective, perspective_infinite_reverse,
     };
     use glam::dcamera::rh::view::look_to_mat4;
-    use glam::{DMat4, DVec3};
+    use glam::{DMat4, DVec2, DVec3};
 
     use super::{DepthRange, RayBasis};
     use crate::scene::{Projection, View};
@@ -226,6 +250,28 @@ mod tests {
                     rays.direction + rays.direction_dx * pixel[0] + rays.direction_dy * pixel[1];
                 assert!(o.distance(o2) < 1e-9 && d.distance(d2.normalize_or_zero()) < 1e-9);
             }
+        }
+    }
+
+    #[test]
+    fn points_lie_in_the_pixels_whose_rays_meet_them() {
+        for projection in [
+            Projection::Perspective { fov_y: 0.7 },
+            Projection::Orthographic { height: 30.0 },
+        ] {
+            let view = view(projection);
+            let rays = RayBasis::from_view(&view, SIZE);
+            let pixels = [[3.25, 40.0], [60.0, 7.5], [-12.0, 20.0]];
+            let points = pixels.map(|pixel| {
+                let (origin, direction) = view.ray(pixel, SIZE);
+                origin + (20.0 + pixel[1]) * direction
+            });
+            let [low, high] = rays.rectangle_of(&points).unwrap();
+            assert!(low.distance(DVec2::new(-12.0, 7.5)) < 1e-9, "{low}");
+            assert!(high.distance(DVec2::new(60.0, 40.0)) < 1e-9, "{high}");
+            let behind = [points[0], view.eye - view.forward];
+            let seen = rays.rectangle_of(&behind).is_some();
+            assert_eq!(seen, matches!(projection, Projection::Orthographic { .. }));
         }
     }
 

@@ -88,6 +88,16 @@ fn beams_change_no_bit() {
         ("along an axis", along_an_axis),
         ("inside", perspective([20.0, 15.0, 18.0])),
         ("oblique", perspective([90.0, -70.0, 60.0])),
+        // Partly outside the picture.
+        (
+            "beside",
+            Camera::Perspective {
+                eye: [24.0, -60.0, 30.0],
+                target: [52.0, 26.0, 44.0],
+                up,
+                fov_y: 30.0,
+            },
+        ),
     ];
     for (from, camera) in cameras {
         for (what, change) in CHANGES {
@@ -107,6 +117,31 @@ fn beams_change_no_bit() {
     }
     assert_valid(&device);
     assert_valid(&small_tiles);
+}
+
+#[test]
+fn where_nothing_shows_there_is_background() {
+    let device = device(|_| {});
+    let looks_away = Camera::Perspective {
+        eye: [24.0, -60.0, 22.0],
+        target: [24.0, -90.0, 22.0],
+        up: [0.0, 0.0, 1.0],
+        fov_y: 30.0,
+    };
+    let blank = |scene: &mut Scene| {
+        let points = scene.transfer_function.points.iter_mut().flatten();
+        points.for_each(|point| point.opacity = 0.0);
+    };
+    for subject in [
+        seen_from(looks_away),
+        seen_from(Camera::default()).with(blank),
+    ] {
+        let picture = subject.picture(&device);
+        let singly = subject.with(|scene| scene.march.beams = false);
+        assert_eq!(differing(&picture, &singly.picture(&device)), 0);
+        assert!(picture.samples.iter().all(|&samples| samples == 0));
+    }
+    assert_valid(&device);
 }
 
 /// A camera so near that pixels are less than a voxel apart.

@@ -21,8 +21,7 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-// By tile: workgroups of the march on x, y and z, and beams listed.
-layout(set = 0, binding = BINDING_BEAM_TILES) buffer BeamTiles { uvec4 beam_tiles[]; };
+layout(set = 0, binding = BINDING_BEAM_TILES) buffer BeamTiles { uint beam_tiles[]; };
 layout(set = 0, binding = BINDING_BEAM_LIST) buffer BeamList { uint beam_list[]; };
 layout(set = 0, binding = BINDING_BEAM_RUNS) buffer BeamRuns { uint beam_runs[]; };
 
@@ -61,7 +60,8 @@ void store_unseen(uvec2 first_px, bool seen) {
 }
 
 void main() {
-    uvec2 beam_xy = lane_pixel();
+    Dealt dealt = dealt_group();
+    uvec2 beam_xy = lane_pixel_in(dealt.group);
     uvec2 first_px = push.tile_px + BEAM_PX * beam_xy;
     if (is_outside(first_px)) {
         return;
@@ -101,13 +101,15 @@ void main() {
         all = mixed ? refined : all;
     }
     if (all != 0u) {
-        uint place = atomicAdd(beam_tiles[push.beam_tile].w, 1u);
-        beam_list[push.first_beam + place] = beam_listed(beam_xy, first_word, end_word);
+        uint place = atomicAdd(beam_tiles[beam_list_length_at(dealt.run)], 1u);
+        beam_list[beam_list_at(dealt.run) + place] = beam_listed(beam_xy, first_word, end_word);
         const uint row = BEAM_GROUPS_A_ROW * BEAMS_A_GROUP;
         if (place % row == 0u) {
-            beam_tiles[push.beam_tile].x = BEAM_GROUPS_A_ROW;
-            atomicMax(beam_tiles[push.beam_tile].y, place / row + 1u);
-            beam_tiles[push.beam_tile].z = 1u;
+            // As many rows for every run.
+            uint tile = beam_tile_at();
+            beam_tiles[tile] = BEAM_GROUPS_A_ROW;
+            atomicMax(beam_tiles[tile + 1u], (place / row + 1u) * RUNS);
+            beam_tiles[tile + 2u] = 1u;
         }
     }
     if (stores_unseen()) {

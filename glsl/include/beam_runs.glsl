@@ -5,7 +5,7 @@
 // subgroup runs for pixels that show nothing: CPU drivers execute what a branch leaves out.
 layout(constant_id = SPEC_BEAMS) const bool BEAMS = false;
 
-layout(set = 0, binding = BINDING_BEAM_TILES) readonly buffer BeamTiles { uvec4 beam_tiles[]; };
+layout(set = 0, binding = BINDING_BEAM_TILES) readonly buffer BeamTiles { uint beam_tiles[]; };
 layout(set = 0, binding = BINDING_BEAM_LIST) readonly buffer BeamList { uint beam_list[]; };
 layout(set = 0, binding = BINDING_BEAM_RUNS) readonly buffer BeamRuns { uint beam_runs[]; };
 
@@ -19,10 +19,13 @@ struct ListedBeam {
 // The pixel of an invocation, beyond the tile where the list has ended; and its beam.
 uvec2 beam_pixel(out ListedBeam listed_beam) {
     uint at = gl_LocalInvocationIndex;
-    uint group = dealt(gl_WorkGroupID.y, gl_NumWorkGroups.y) * BEAM_GROUPS_A_ROW + gl_WorkGroupID.x;
+    // Each run of the dispatch follows the beams that the same run cast: the processor that takes it has them at hand.
+    uint rows = max(gl_NumWorkGroups.y / RUNS, 1u);
+    uint run = times_in(rows, gl_WorkGroupID.y);
+    uint group = (gl_WorkGroupID.y - run * rows) * BEAM_GROUPS_A_ROW + gl_WorkGroupID.x;
     uint place = group * BEAMS_A_GROUP + at / BEAM_PIXELS;
-    bool listed = place < beam_tiles[push.beam_tile].w;
-    uint entry = beam_list[push.first_beam + (listed ? place : 0u)];
+    bool listed = place < beam_tiles[beam_list_length_at(run)];
+    uint entry = beam_list[beam_list_at(run) + (listed ? place : 0u)];
     uvec2 beam = uvec2(entry & 0x7ffu, entry >> 11 & 0xfffu);
     listed_beam = ListedBeam(beam_at(beam) * frame.beam_words, 0u, ~0u);
     if (SHOWN_CELLS) {

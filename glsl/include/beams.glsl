@@ -13,9 +13,26 @@ uint beam_listed(uvec2 beam, uint first_word, uint end_word) {
     return beam.x | beam.y << 11 | first_word / 4u << 23 | (end_word - 1u) / 4u << 27;
 }
 
-// The march takes a list by rows of so many workgroups of 8 beams (src/pass/beams.rs).
-const uint BEAM_GROUPS_A_ROW = 32u;
+// The march takes lists by rows of so many workgroups of 8 beams.
+const uint BEAM_GROUPS_A_ROW = 16u;
 const uint BEAMS_A_GROUP = 8u;
+
+// Where what a tile has begins: the march's workgroups on x, y and z, and how long the list of each run of its dispatches is. Each
+// stands apart, as runs add to their own at the same time (src/pass/beams.rs).
+const uint BEAM_TILE_APART = 16u;
+
+uint beam_tile_at() {
+    return push.beam_tile * BEAM_TILE_APART * (1u + RUNS);
+}
+
+uint beam_list_length_at(uint run) {
+    return beam_tile_at() + BEAM_TILE_APART * (1u + run);
+}
+
+// Where the list of a run begins.
+uint beam_list_at(uint run) {
+    return push.first_listed + run * push.listed_by_run;
+}
 
 // Place of the lowest of some bits, by the exponent: CPU drivers have no instruction that finds it for several words.
 uint lowest_bit(uint bits) {

@@ -4,6 +4,32 @@
 // starts; 1 where workgroups are handed out as threads become free.
 layout(constant_id = SPEC_RUNS) const uint RUNS = 1;
 
+// Which of consecutive workgroups in a dispatch of two dimensions one takes, and the run that it is in. Runs take as many in turn, so
+// that each stays where it was for a while, and every run gets some from everywhere.
+struct Dealt {
+    uvec2 group;
+    uint run;
+};
+
+const uint DEALT_AT_ONCE = 8u;  // src/pass/beams.rs
+
+// How often a whole number goes into another, both below 2^23. (Division of integers is slow.)
+uint times_in(uint number, uint whole) {
+    return uint((float(whole) + 0.5) / float(number));
+}
+
+Dealt dealt_group() {
+    uint width = gl_NumWorkGroups.x;
+    uint at = gl_WorkGroupID.y * width + gl_WorkGroupID.x;
+    uint hand = width * gl_NumWorkGroups.y / (RUNS * DEALT_AT_ONCE) * DEALT_AT_ONCE;
+    uint run = times_in(max(hand, 1u), at);
+    uint within = at - run * hand;
+    bool deals = at < hand * RUNS;
+    uint piece = deals ? (within / DEALT_AT_ONCE * RUNS + run) * DEALT_AT_ONCE + within % DEALT_AT_ONCE : at;
+    uint row = times_in(width, piece);
+    return Dealt(uvec2(piece - row * width, row), deals ? run : (at - hand * RUNS) % RUNS);
+}
+
 // The piece for workgroup `at` of `count`: every run gets pieces from everywhere, so that all take about as long. Neighbours go to
 // different threads at about the same time.
 uint dealt(uint at, uint count) {

@@ -75,6 +75,8 @@ struct MarchPush {
     uvec2 tile_end_px;  // one past the last pixel
     uint beam_tile;     // number of the tile
     uint first_beam;    // beams of the tiles before
+    uint first_listed;  // where lists of its beams begin
+    uint listed_by_run; // room of each
 };
 
 // One direction of the light pass.

@@ -40,24 +40,35 @@ pub(crate) struct BeamLengths {
 pub(crate) struct BeamCounts {
     tiles: u64,
     beams: u64,
+    /// Entries of all lists.
+    listed: u64,
+    runs: u32,
 }
 
 impl BeamCounts {
-    pub(crate) fn of(size_px: [u32; 2], tile: u32) -> Self {
-        let none = Self { tiles: 0, beams: 0 };
+    /// `runs`: of a dispatch (`Capabilities::dispatch_runs`).
+    pub(crate) fn of(size_px: [u32; 2], tile: u32, runs: u32) -> Self {
+        let none = Self {
+            tiles: 0,
+            beams: 0,
+            listed: 0,
+            runs,
+        };
         let tiles = Rectangle::of_size(size_px).tiles(tile);
         tiles.fold(none, |sum, tile| Self {
             tiles: sum.tiles + 1,
             beams: sum.beams + beams_of(tile),
+            listed: sum.listed + u64::from(runs) * u64::from(listed_by_run(tile, runs)),
+            runs,
         })
     }
 
     pub(crate) fn tile_bytes(self) -> u64 {
-        TILE_BYTES * self.tiles
+        tile_bytes(self.runs) * self.tiles
     }
 
     pub(crate) fn list_bytes(self) -> u64 {
-        4 * self.beams
+        4 * self.listed
     }
 
     pub(crate) fn run_bytes(self, words: u32) -> u64 {
@@ -164,7 +175,8 @@ impl BeamsPass {
             recorder.use_buffer(buffer, Access::Storage);
         }
         recorder.bind(pipeline, bound)?;
-        for (tile, push) in march_tiles(area, tile) {
+        let runs = context.capabilities().dispatch_runs;
+        for (tile, push) in march_tiles(area, tile, runs) {
             recorder.dispatch(pipeline, &push, beam_groups(tile));
         }
         for (_, buffer) in beams.buffers() {
@@ -174,8 +186,24 @@ impl BeamsPass {
     }
 }
 
-/// Of a tile: workgroups on three axes, beams listed.
-pub(super) const TILE_BYTES: u64 = 16;
+/// What a tile has begins so far apart; as in `glsl/include/beams.glsl`.
+const APART_BYTES: u64 = 64;
+
+/// Workgroups that a run of a dispatch takes in turn, as in `glsl/include/deal.glsl`.
+const DEALT_AT_ONCE: u32 = 8;
+
+/// Of a tile: workgroups on three axes, beams listed by run.
+pub(super) fn tile_bytes(runs: u32) -> u64 {
+    APART_BYTES * (1 + u64::from(runs))
+}
+
+/// Beams that the list of a run has room for.
+fn listed_by_run(tile: Rectangle, runs: u32) -> u32 {
+    let [x, y, _] = beam_groups(tile);
+    let groups = x * y;
+    let hand = groups / (runs * DEALT_AT_ONCE) * DEALT_AT_ONCE;
+    64 * (hand + (groups - hand * runs).div_ceil(runs))
+}
 
 fn beams_on_axes(tile: Rectangle) -> [u32; 2] {
     [0, 1].map(|axis| (tile.end[axis] - tile.first[axis]).div_ceil(BEAM_PX[axis]))
@@ -196,16 +224,20 @@ fn beam_groups(tile: Rectangle) -> [u32; 3] {
 pub(super) fn march_tiles(
     area: Rectangle,
     tile: u32,
+    runs: u32,
 ) -> impl Iterator<Item = (Rectangle, MarchPush)> {
-    let mut first_beam = 0;
+    let (mut first_beam, mut first_listed) = (0, 0);
     area.tiles(tile).zip(0..).map(move |(tile, beam_tile)| {
         let push = MarchPush {
             tile_px: tile.first,
             tile_end_px: tile.end,
             beam_tile,
             first_beam,
+            first_listed,
+            listed_by_run: listed_by_run(tile, runs),
         };
         first_beam += beams_of(tile) as u32;
+        first_listed += runs * push.listed_by_run;
         (tile, push)
     })
 }
@@ -222,15 +254,39 @@ mod tests {
             ([1, 1], 8192),
             ([33, 70], 32),
         ] {
-            let mut next = 0;
-            for (tile, push) in march_tiles(Rectangle::of_size(size), tile) {
-                assert_eq!(push.first_beam, next);
-                next += beams_of(tile) as u32;
+            for runs in [1, 2, 3, 64] {
+                let (mut next, mut next_listed) = (0, 0);
+                for (piece, push) in march_tiles(Rectangle::of_size(size), tile, runs) {
+                    assert_eq!([push.first_beam, push.first_listed], [next, next_listed]);
+                    next += beams_of(piece) as u32;
+                    next_listed += runs * push.listed_by_run;
+                    assert!(next_listed >= next, "{size:?} in tiles of {tile}");
+                }
+                let counts = BeamCounts::of(size, tile, runs);
+                assert_eq!(counts.beams, u64::from(next));
+                assert_eq!(counts.listed, u64::from(next_listed));
+                let covered = u64::from(size[0].div_ceil(4)) * u64::from(size[1].div_ceil(2));
+                assert_eq!(counts.beams, covered, "{size:?} in tiles of {tile}");
             }
-            let counts = BeamCounts::of(size, tile);
-            assert_eq!(counts.beams, u64::from(next));
-            let covered = u64::from(size[0].div_ceil(4)) * u64::from(size[1].div_ceil(2));
-            assert_eq!(counts.beams, covered, "{size:?} in tiles of {tile}");
+        }
+    }
+
+    #[test]
+    fn a_part_of_a_picture_has_room_where_all_of_it_has() {
+        for (tile, runs) in [(512, 2), (96, 2), (24, 5), (200, 64)] {
+            let size = [700, 333];
+            let room = BeamCounts::of(size, tile, runs);
+            for (first, end) in [
+                ([4, 2], size),
+                ([348, 16], [699, 290]),
+                ([0, 300], [8, 333]),
+            ] {
+                let tiles = march_tiles(Rectangle { first, end }, tile, runs);
+                let last = tiles.map(|(_, push)| push).last().unwrap();
+                assert!(u64::from(last.beam_tile) < room.tiles);
+                let listed = last.first_listed + runs * last.listed_by_run;
+                assert!(u64::from(listed) <= room.listed, "{first:?} {end:?}");
+            }
         }
     }
 }

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::beams::{Beams, BeamsPass, TILE_BYTES, march_tiles};
+use super::beams::{Beams, BeamsPass, march_tiles, tile_bytes};
 use super::{
     Reconstruction, Rectangle, Variants, gradient_constant, sampled, use_field, use_gradients,
     use_labels, use_texel_buffer, use_texels,
@@ -459,8 +459,9 @@ impl PicturePass {
                 context, recorder, interface, constants, &bound, beams, area, tile,
             )?;
             recorder.bind(pipeline, &bound)?;
-            for (_, push) in march_tiles(area, tile) {
-                let at = TILE_BYTES * u64::from(push.beam_tile);
+            let runs = context.capabilities().dispatch_runs;
+            for (_, push) in march_tiles(area, tile, runs) {
+                let at = tile_bytes(runs) * u64::from(push.beam_tile);
                 recorder.dispatch_indirect(pipeline, &push, &beams.tiles, at);
             }
             return Ok(());
@@ -469,7 +470,7 @@ impl PicturePass {
             bound.push((binding, Bound::Storage(&self.unused_buffer)));
         }
         recorder.bind(pipeline, &bound)?;
-        for (tile, push) in march_tiles(area, tile) {
+        for (tile, push) in march_tiles(area, tile, 1) {
             recorder.dispatch(pipeline, &push, tile.groups());
         }
         Ok(())

@@ -92,7 +92,7 @@ impl Loaded {
             && self.has_narrow_pixels(rays, size_px, WIDEST_FOR_CELLS);
         // Those of the longest way, the one that a jittered start adds, and one for rounding.
         let segments = self.longest_mm() / self.step_mm() + 2.0;
-        let counts = BeamCounts::of(size_px, self.march_tile());
+        let counts = BeamCounts::of(size_px, self.march_tile(), capabilities.dispatch_runs);
         let mut kept = kept;
         // Fewer bits where single ones are too many.
         for singly in [true, false] {

@@ -146,6 +146,10 @@ gpu_struct! {
         pub beam_tile: u32,
         /// Beams of the tiles before.
         pub first_beam: u32,
+        /// Where lists of its beams begin.
+        pub first_listed: u32,
+        /// Room of each.
+        pub listed_by_run: u32,
     }
 }
 

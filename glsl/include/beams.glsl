@@ -8,13 +8,14 @@ const uvec2 BEAM_PX = uvec2(4u, 2u);
 const uint BEAM_PIXELS = BEAM_PX.x * BEAM_PX.y;
 
 // An entry of the list: 11 bits of x and 12 of y, in beams from the tile's corner, and of the bits for single segments the first and the
-// last four words that have any, 4 bits each. (Tiles have up to 8192 pixels on an edge, beams up to 64 words; src/renderer/beams.rs.)
+// last four words that have any, 4 bits each; of other bits nobody reads those. (Tiles have up to 8192 pixels on an edge, beams up to 64
+// words: src/pass/beams.rs.)
 uint beam_listed(uvec2 beam, uint first_word, uint end_word) {
     return beam.x | beam.y << 11 | first_word / 4u << 23 | (end_word - 1u) / 4u << 27;
 }
 
-// The march takes lists by rows of so many workgroups of 8 beams.
-const uint BEAM_GROUPS_A_ROW = 16u;
+// The march takes lists by rows of so many workgroups of 8 beams; the rows of the largest tile are as many as a dispatch may have.
+const uint BEAM_GROUPS_A_ROW = 32u;
 const uint BEAMS_A_GROUP = 8u;
 
 // Where what a tile has begins: the march's workgroups on x, y and z, and how long the list of each run of its dispatches is. Each

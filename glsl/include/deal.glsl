@@ -4,19 +4,19 @@
 // starts; 1 where workgroups are handed out as threads become free.
 layout(constant_id = SPEC_RUNS) const uint RUNS = 1;
 
-// Which of consecutive workgroups in a dispatch of two dimensions one takes, and the run that it is in. Runs take as many in turn, so
-// that each stays where it was for a while, and every run gets some from everywhere.
+// How often a whole number goes into another, both below 2^20. (Division of integers is slow.)
+uint times_in(uint number, uint whole) {
+    return uint((float(whole) + 0.5) / float(number));
+}
+
+// Workgroups of a dispatch of two dimensions that a run takes one after the other before the next ones are another run's.
+const uint DEALT_AT_ONCE = 8u;
+
+// Which of consecutive workgroups one takes, and the run that it is in: of as many each, and every run has some from everywhere.
 struct Dealt {
     uvec2 group;
     uint run;
 };
-
-const uint DEALT_AT_ONCE = 8u;  // src/pass/beams.rs
-
-// How often a whole number goes into another, both below 2^23. (Division of integers is slow.)
-uint times_in(uint number, uint whole) {
-    return uint((float(whole) + 0.5) / float(number));
-}
 
 Dealt dealt_group() {
     uint width = gl_NumWorkGroups.x;
@@ -37,6 +37,6 @@ uint dealt(uint at, uint count) {
         return at;
     }
     uint hand = count / RUNS;
-    uint run = uint((float(at) + 0.5) / float(max(hand, 1u)));
+    uint run = times_in(max(hand, 1u), at);
     return at < hand * RUNS ? (at - run * hand) * RUNS + run : at;
 }

@@ -99,7 +99,7 @@ uint add_some(inout Accumulated acc, Ray ray, Brick b, uint i, uint end, float s
     return add_next(acc, ray, b, i, end, shift);
 }
 
-// The first `whole` segments of those that the beam lists, a bit each; one of them at least is not before its first.
+// Of the first `whole` segments those that the beam lists, a bit each; its first is before `whole`.
 void march_listed(inout Accumulated acc, Ray ray, ListedBeam beam, uint whole, float shift) {
     uint words = min((whole + 31u) / 32u, frame.beam_words);
     uint word = beam.first / 32u;

@@ -28,6 +28,8 @@ pub(crate) struct Visibility {
     reach: Option<Reach>,
     /// All that the transfer function says of ranges of integers.
     ends: Option<VisibleEnds>,
+    /// Of skip cells.
+    counts: [u32; 3],
     /// [`Visibility::bounds`], once they were asked for.
     bounds: OnceLock<Option<[[u32; 3]; 2]>>,
 }
@@ -58,6 +60,7 @@ impl Visibility {
             light: request.light(&ranges, &occupancy)?,
             reach: request.reach(),
             ends: ranges.into_ends(),
+            counts: request.residency.cells.counts(),
             bounds: OnceLock::new(),
         })
     }
@@ -94,6 +97,7 @@ impl Visibility {
             light: request.light(&ranges, &occupancy)?,
             reach,
             ends: ranges.into_ends(),
+            counts: request.residency.cells.counts(),
             bounds: if same_cells {
                 self.bounds.clone()
             } else {
@@ -102,8 +106,9 @@ impl Visibility {
         }))
     }
 
-    /// First and last of the skip cells that show something, on each axis; `None` where nothing shows. `counts`: of all skip cells.
-    pub(crate) fn bounds(&self, [width, height, _]: [u32; 3]) -> Option<[[u32; 3]; 2]> {
+    /// First and last of the skip cells that show something, on each axis; `None` where nothing shows.
+    pub(crate) fn bounds(&self) -> Option<[[u32; 3]; 2]> {
+        let [width, height, _] = self.counts;
         let shows = |&word: &u32| word <= WHOLE_BLOCK;
         let of_row = |(row, words): (usize, &[u32])| {
             let [first, last] = [

@@ -1,13 +1,13 @@
 //! Beams: where along the rays of a few neighbouring pixels something may show.
 //!
 //! Reads   skip, bits of cells between voxels (SampledGeneral)
-//! Writes  bits of every beam, the list of beams that show something and its length by tile (Storage); the target and the depths of
-//!         pixels of the others (Storage), unless the target holds there what it should
-//! Grid    one invocation for 4x2 pixels, one dispatch a tile
+//! Writes  bits of every beam, for each tile and run of its dispatch a list of the beams that show something, and its length (Storage);
+//!         the target and the depths of pixels of the others (Storage), unless the target holds there what it should
+//! Grid    one invocation for 4x2 pixels, one dispatch a tile; where the target holds what it should, of the pixels that may show something
 //! Method  a box around the rays moves along them and leaps by the same cubes as rays do; beam optimization as of Laine and Karras,
 //!         "Efficient sparse voxel octrees", 2010, with bits for all of the ray instead of where it begins; segments that are left
 //!         are looked up among cells between voxels, where few of those show something
-//! Limits  positions in a tile have 16 bits
+//! Limits  tiles of 8192 x 8192 pixels, 64 words of bits a beam: an entry of a list has 32 bits
 //! Twin    none: pictures with and without are compared bit by bit (tests/properties/beams.rs)
 
 use std::sync::Arc;
@@ -74,11 +74,17 @@ impl BeamCounts {
     pub(crate) fn run_bytes(self, words: u32) -> u64 {
         4 * u64::from(words) * self.beams
     }
+
+    /// Of the largest of the three.
+    pub(crate) fn most_bytes(self, words: u32) -> u64 {
+        let others = self.tile_bytes().max(self.list_bytes());
+        others.max(self.run_bytes(words))
+    }
 }
 
 /// What the beams of a frame leave for the march; frames of a queue share it.
 pub(crate) struct Beams {
-    /// Of every tile the march's workgroups, and how many beams are listed.
+    /// Of every tile the march's workgroups, and how many beams each run has listed.
     pub(super) tiles: Buffer,
     /// Where listed beams lie in their tile.
     list: Buffer,
@@ -186,11 +192,11 @@ impl BeamsPass {
     }
 }
 
-/// What a tile has begins so far apart; as in `glsl/include/beams.glsl`.
+/// Distance of a tile's counters, each in a line of a cache of its own; as in `glsl/include/beams.glsl`.
 const APART_BYTES: u64 = 64;
 
-/// Workgroups that a run of a dispatch takes in turn, as in `glsl/include/deal.glsl`.
-const DEALT_AT_ONCE: u32 = 8;
+/// Beams of a workgroup.
+const GROUP_BEAMS: u32 = 64;
 
 /// Of a tile: workgroups on three axes, beams listed by run.
 pub(super) fn tile_bytes(runs: u32) -> u64 {
@@ -200,9 +206,7 @@ pub(super) fn tile_bytes(runs: u32) -> u64 {
 /// Beams that the list of a run has room for.
 fn listed_by_run(tile: Rectangle, runs: u32) -> u32 {
     let [x, y, _] = beam_groups(tile);
-    let groups = x * y;
-    let hand = groups / (runs * DEALT_AT_ONCE) * DEALT_AT_ONCE;
-    64 * (hand + (groups - hand * runs).div_ceil(runs))
+    GROUP_BEAMS * (x * y).div_ceil(runs)
 }
 
 fn beams_on_axes(tile: Rectangle) -> [u32; 2] {
@@ -282,11 +286,54 @@ mod tests {
                 ([0, 300], [8, 333]),
             ] {
                 let tiles = march_tiles(Rectangle { first, end }, tile, runs);
-                let last = tiles.map(|(_, push)| push).last().unwrap();
+                let (tile, last) = tiles.last().unwrap();
                 assert!(u64::from(last.beam_tile) < room.tiles);
+                let beams = u64::from(last.first_beam) + beams_of(tile);
+                assert!(beams <= room.beams, "{first:?} {end:?}");
                 let listed = last.first_listed + runs * last.listed_by_run;
                 assert!(u64::from(listed) <= room.listed, "{first:?} {end:?}");
             }
         }
+    }
+
+    /// `dealt_group` of `glsl/include/deal.glsl`: the group that each takes, and its run.
+    fn dealt(groups: u32, runs: u32) -> impl Iterator<Item = (u32, u32)> {
+        const AT_ONCE: u32 = 8;
+        let hand = groups / (runs * AT_ONCE) * AT_ONCE;
+        (0..groups).map(move |at| {
+            if at >= hand * runs {
+                return (at, (at - hand * runs) % runs);
+            }
+            let (run, within) = (at / hand, at % hand);
+            let piece = (within / AT_ONCE * runs + run) * AT_ONCE + within % AT_ONCE;
+            (piece, run)
+        })
+    }
+
+    #[test]
+    fn every_run_has_room_for_the_beams_that_it_casts() {
+        for runs in [1, 2, 3, 5, 32, 64] {
+            for size in [[512, 512], [8, 8], [333, 700], [32, 1000], [8192, 8192]] {
+                let tile = Rectangle::of_size(size);
+                let [x, y, _] = beam_groups(tile);
+                let mut taken = vec![false; (x * y) as usize];
+                let mut cast = vec![0; runs as usize];
+                for (piece, run) in dealt(x * y, runs) {
+                    assert!(!std::mem::replace(&mut taken[piece as usize], true));
+                    cast[run as usize] += GROUP_BEAMS;
+                }
+                let room = listed_by_run(tile, runs);
+                assert!(cast.iter().all(|&beams| beams <= room), "{size:?}, {runs}");
+                // As many workgroups of the march as a dispatch may have, by rows of 32 with 8 beams each.
+                assert!(room.div_ceil(256) * runs <= 65535, "{size:?}, {runs}");
+            }
+        }
+    }
+
+    #[test]
+    fn entries_of_lists_have_room() {
+        // `beam_listed` of `glsl/include/beams.glsl`.
+        let [x, y] = beams_on_axes(Rectangle::of_size([crate::pass::LARGEST_TILE; 2]));
+        assert!(x <= 1 << 11 && y <= 1 << 12);
     }
 }

@@ -233,6 +233,9 @@ fn use_labels<'a>(
     })
 }
 
+/// Pixels on an edge of a tile, at most.
+pub(crate) const LARGEST_TILE: u32 = 8192;
+
 /// Pixels of a picture from a first one up to an end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Rectangle {

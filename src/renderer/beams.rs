@@ -21,6 +21,9 @@ const MOST_WORDS: u32 = 8;
 /// Bits for each of the shortest runs where cells between voxels are looked up, one for every segment of it.
 const SINGLE_BITS: u32 = 4;
 
+// An entry of a list of beams has 4 bits for where such words begin and end, in fours (glsl/include/beams.glsl).
+const _: () = assert!(SINGLE_BITS == 4 && 2 * MOST_WORDS <= 1 << 4);
+
 /// Voxels from a pixel to the next, in the middle of the volume, up to which beams pay: the boxes around rays that are farther apart meet
 /// too many cells that no ray does. Of 256³ voxels, 512 × 512 pixels have 0.6 (time 0.64 to 0.91), 192 × 192 have 1.6 (0.83 to 1.02),
 /// 96 × 96 have 3.2 (0.94 to 2.29).
@@ -97,7 +100,7 @@ impl Loaded {
         // Fewer bits where single ones are too many.
         for singly in [true, false] {
             let lengths = lengths(segments, singly && look_up);
-            if counts.run_bytes(lengths.words) > capabilities.max_storage_bytes {
+            if counts.most_bytes(lengths.words) > capabilities.max_storage_bytes {
                 continue;
             }
             kept = kept.filter(|beams| beams.serve(counts, lengths.words));
@@ -112,30 +115,32 @@ impl Loaded {
         Ok(None)
     }
 
-    /// The pixels whose rays may meet something that shows, and some around them: whole beams, so that which rays share one does not
+    /// The pixels whose rays may meet something that shows, and some around them, from where a beam begins: which rays share one does not
     /// depend on it.
     pub(super) fn shown_pixels(&self, rays: &RayBasis, size_px: [u32; 2]) -> Rectangle {
         let nowhere = Rectangle::of_size([0; 2]);
-        let Some([first, last]) = self.visibility.bounds(self.residency.cells.counts()) else {
+        let Some([first, last]) = self.visibility.bounds() else {
             return nowhere;
         };
         let volume = &self.store.volume;
         let world_from_ix = volume.world_from_ix();
+        // The device rounds places along rays that may come from afar.
+        let far_ix = world_from_ix.inverse().transform_point3(rays.origin);
+        let margin = 0.02 + 1e-6 * far_ix.abs().max_element();
         let corners: [DVec3; 8] = std::array::from_fn(|corner| {
             let ix = [0, 1, 2].map(|axis| {
-                let cell = if corner >> axis & 1 == 0 {
-                    first[axis]
+                if corner >> axis & 1 == 0 {
+                    f64::from(SKIP_CELLS * first[axis]) - margin
                 } else {
-                    last[axis] + 1
-                };
-                f64::from((SKIP_CELLS * cell).min(volume.size()[axis] - 1))
+                    f64::from(SKIP_CELLS * (last[axis] + 1)) + margin
+                }
             });
             world_from_ix.transform_point3(DVec3::from_array(ix))
         });
         let Some(seen) = rays.rectangle_of(&corners) else {
             return Rectangle::of_size(size_px);
         };
-        // The device rounds otherwise.
+        // Pixels are rounded as well.
         let [low, high] = [seen[0] - 1.0, seen[1] + 1.0].map(|pixel| pixel.to_array());
         let pixel = |axis: usize, pixel: f64| pixel.clamp(0.0, size_px[axis].into()) as u32;
         let area = Rectangle {

@@ -17,7 +17,7 @@ use crate::pass::beams::BeamLengths;
 use crate::pass::picture::{PictureResources, PictureVariant};
 use crate::pass::scatter::ScatterVariant;
 use crate::pass::shadow::ShadowResources;
-use crate::pass::{Reconstruction, Rectangle};
+use crate::pass::{LARGEST_TILE, Reconstruction, Rectangle};
 use crate::scene::{Classification, Interpolation, OpticalModel, RayProjection, Shading};
 use crate::shader::structs::{FrameParams, SurfaceParams, VolumeParams};
 
@@ -475,7 +475,7 @@ impl Loaded {
     /// The largest tile whose dispatch takes a bounded number of samples, a multiple of 8.
     pub(crate) fn default_tile(&self) -> u32 {
         let longest = self.longest_mm() / self.step_mm();
-        ((SAMPLES_A_DISPATCH / longest).sqrt() as u32).clamp(8, 8192) / 8 * 8
+        ((SAMPLES_A_DISPATCH / longest).sqrt() as u32).clamp(8, LARGEST_TILE) / 8 * 8
     }
 
     /// Longest way through the volume, at least. Axes need not be at right angles: one of the four diagonals is the longest.

@@ -22,6 +22,7 @@ use ash::vk;
 
 use crate::error::{Error, Result};
 use crate::gpu::{Access, Context, FrameSlots, Image, PassTime, Recorder};
+use crate::pass::LARGEST_TILE;
 use crate::volume::Volume;
 use light::LightWorkload;
 
@@ -182,7 +183,7 @@ impl Renderer {
 
     /// Largest edge of a dispatch's tile, pixels; a multiple of 8. Changes no pixel.
     pub fn set_tile(&mut self, tile: Option<u32>) {
-        self.loaded.tile = tile.map(|t| t.clamp(8, 8192).next_multiple_of(8));
+        self.loaded.tile = tile.map(|t| t.clamp(8, LARGEST_TILE).next_multiple_of(8));
     }
 
     /// GPU times (ms) of the passes of the newest frame known to have completed; empty where the device has no timestamps.

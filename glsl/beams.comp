@@ -60,8 +60,11 @@ void store_unseen(uvec2 first_px, bool seen) {
 }
 
 void main() {
-    Dealt dealt = dealt_group();
-    uvec2 beam_xy = lane_pixel_in(dealt.group);
+    // Neighbours stay with one run for a while: they share what they read.
+    uint width = gl_NumWorkGroups.x;
+    Dealt dealt = deal(gl_WorkGroupID.y * width + gl_WorkGroupID.x, width * gl_NumWorkGroups.y, 8u);
+    uint row = times_in(width, dealt.piece);
+    uvec2 beam_xy = lane_pixel_in(uvec2(dealt.piece - row * width, row));
     uvec2 first_px = push.tile_px + BEAM_PX * beam_xy;
     if (is_outside(first_px)) {
         return;
@@ -103,12 +106,12 @@ void main() {
     if (all != 0u) {
         uint place = atomicAdd(beam_tiles[beam_list_length_at(dealt.run)], 1u);
         beam_list[beam_list_at(dealt.run) + place] = beam_listed(beam_xy, first_word, end_word);
-        const uint row = BEAM_GROUPS_A_ROW * BEAMS_A_GROUP;
-        if (place % row == 0u) {
+        const uint beams_a_row = BEAM_GROUPS_A_ROW * BEAMS_A_GROUP;
+        if (place % beams_a_row == 0u) {
             // As many rows for every run.
             uint tile = beam_tile_at();
             beam_tiles[tile] = BEAM_GROUPS_A_ROW;
-            atomicMax(beam_tiles[tile + 1u], (place / row + 1u) * RUNS);
+            atomicMax(beam_tiles[tile + 1u], (place / beams_a_row + 1u) * RUNS);
             beam_tiles[tile + 2u] = 1u;
         }
     }

@@ -9,34 +9,27 @@ uint times_in(uint number, uint whole) {
     return uint((float(whole) + 0.5) / float(number));
 }
 
-// Workgroups of a dispatch of two dimensions that a run takes one after the other before the next ones are another run's.
-const uint DEALT_AT_ONCE = 8u;
-
-// Which of consecutive workgroups one takes, and the run that it is in: of as many each, and every run has some from everywhere.
+// What is taken of pieces of work, and the run that takes it.
 struct Dealt {
-    uvec2 group;
+    uint piece;
     uint run;
 };
 
-Dealt dealt_group() {
-    uint width = gl_NumWorkGroups.x;
-    uint at = gl_WorkGroupID.y * width + gl_WorkGroupID.x;
-    uint hand = width * gl_NumWorkGroups.y / (RUNS * DEALT_AT_ONCE) * DEALT_AT_ONCE;
+// For workgroup `at` of `count`, where a run takes so many pieces `at_once` before the next ones are another run's: every run gets as many,
+// and some from everywhere, so that all take about as long. What is left over goes round.
+Dealt deal(uint at, uint count, uint at_once) {
+    uint hand = count / (RUNS * at_once) * at_once;
     uint run = times_in(max(hand, 1u), at);
     uint within = at - run * hand;
     bool deals = at < hand * RUNS;
-    uint piece = deals ? (within / DEALT_AT_ONCE * RUNS + run) * DEALT_AT_ONCE + within % DEALT_AT_ONCE : at;
-    uint row = times_in(width, piece);
-    return Dealt(uvec2(piece - row * width, row), deals ? run : (at - hand * RUNS) % RUNS);
+    uint piece = (within / at_once * RUNS + run) * at_once + within % at_once;
+    return Dealt(deals ? piece : at, deals ? run : (at - hand * RUNS) % RUNS);
 }
 
-// The piece for workgroup `at` of `count`: every run gets pieces from everywhere, so that all take about as long. Neighbours go to
-// different threads at about the same time.
+// The piece for workgroup `at` of `count`: neighbours go to different threads at about the same time.
 uint dealt(uint at, uint count) {
     if (RUNS == 1u) {
         return at;
     }
-    uint hand = count / RUNS;
-    uint run = times_in(max(hand, 1u), at);
-    return at < hand * RUNS ? (at - run * hand) * RUNS + run : at;
+    return deal(at, count, 1u).piece;
 }

@@ -296,7 +296,7 @@ mod tests {
         }
     }
 
-    /// `dealt_group` of `glsl/include/deal.glsl`: the group that each takes, and its run.
+    /// `deal` of `glsl/include/deal.glsl`, as `glsl/beams.comp` calls it: the group that each takes, and its run.
     fn dealt(groups: u32, runs: u32) -> impl Iterator<Item = (u32, u32)> {
         const AT_ONCE: u32 = 8;
         let hand = groups / (runs * AT_ONCE) * AT_ONCE;

@@ -41,9 +41,10 @@ pub(crate) fn measure(headless: &Headless, plan: &Plan) -> Result<Effects> {
         preintegrated: true,
         ..base("blobs", plan.size)
     };
+    // The first is the pipeline's; the last has the joining of bricks with it.
     let reduced = Case {
-        rays: 1,
-        ..base("blobs", plan.light_size)
+        rays: 5,
+        ..base("blobs", 2 * plan.size)
     };
     Ok(Effects {
         skipping: Some(skipping(headless, &base("fog", plan.size), plan.repeats)?),
@@ -113,19 +114,22 @@ fn reductions(headless: &Headless, case: &Case) -> Result<Vec<Reduction>> {
     for asked in REDUCTIONS {
         let mut scene = measure::scene(field, case);
         scene.storage.data_reduction = asked;
-        if let Some(ao) = &mut scene.ambient_occlusion {
-            ao.rays = 3;
-        }
         let mut session = headless.load(Arc::clone(&volume), &scene)?;
+        session.timed_light()?;
         let mut times = Vec::new();
-        while let Some(time) = session.timed_light()? {
-            times.push(clock.device_ms(&session, "light", time));
+        for _ in 2..case.rays {
+            let time = session.timed_light()?;
+            times.extend(time.map(|time| clock.device_ms(&session, "light", time)));
         }
+        let ms_per_ray = Spread::of(times).median;
+        let last = session.timed_light()?;
         let stats = session.stats()?;
-        points.extend(stats.lao.map(|light| Reduction {
+        points.extend(stats.lao.zip(last).map(|(light, last)| Reduction {
+            size: case.size,
             asked,
             reached: stats.data_reduction,
-            ms_per_ray: Spread::of(times).median,
+            ms_per_ray,
+            join_ms: clock.beside_ms(&session, "light_seam", last, ms_per_ray),
             voxels: light.voxels,
         }));
     }

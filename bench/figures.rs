@@ -1,6 +1,7 @@
 //! What a run finds, as JSON holds it. Times are milliseconds.
 
 use serde::{Deserialize, Serialize};
+use umbravox::scene::AmbientOcclusion;
 
 /// Everything of a run.
 #[derive(Debug, Serialize, Deserialize)]
@@ -154,10 +155,24 @@ pub(crate) struct Effects {
 /// A point of the paper's figure 5.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Reduction {
+    /// Edge of the volume, voxels.
+    #[serde(default)]
+    pub(crate) size: u32,
     pub(crate) asked: f64,
     pub(crate) reached: f64,
+    /// Of a direction.
     pub(crate) ms_per_ray: f64,
+    /// Of joining bricks, once for all directions.
+    #[serde(default)]
+    pub(crate) join_ms: f64,
     pub(crate) voxels: u64,
+}
+
+impl Reduction {
+    /// Of a direction with its share of joining, where there are as many as unless something else is asked for.
+    pub(crate) fn ms(&self) -> f64 {
+        self.ms_per_ray + self.join_ms / f64::from(AmbientOcclusion::default().rays)
+    }
 }
 
 /// From a compressed file to a picture.

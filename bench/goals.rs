@@ -2,7 +2,7 @@
 
 use umbravox::occlusion::RMS_ERROR;
 
-use crate::figures::{Growing, Light, Picture, Run, Spread};
+use crate::figures::{Growing, Light, Picture, Reduction, Run, Spread};
 use crate::peers::{FIXED_POINT, GPU, Peers, Row};
 
 /// One goal.
@@ -133,7 +133,19 @@ fn of_march(run: &Run) -> Vec<Goal> {
     .collect()
 }
 
+/// The points that figure 5 of Hernell, Ljung and Ynnerman (2007) has.
+pub(crate) fn of_figure_5(run: &Run) -> impl Iterator<Item = &Reduction> {
+    run.effects.reductions.iter().filter(|p| p.asked > 1.0)
+}
+
 fn of_light_and_rest(run: &Run) -> Vec<Goal> {
+    let faster = of_figure_5(run).take(1).flat_map(|first| {
+        let others = of_figure_5(run).skip(1);
+        others.map(move |p| {
+            let name = format!("blobs {}³, {:.1}", p.size, p.reached);
+            (name, first.ms() / p.ms() / (p.reached / first.reached))
+        })
+    });
     let lights = || run.lights.iter();
     let limit = lights().map(|l| (l.field.clone(), l.rate() / l.limit()));
     // Growing distances count where they keep the light; uniform sampling has no error.
@@ -155,6 +167,11 @@ fn of_light_and_rest(run: &Run) -> Vec<Goal> {
             "LAO: times fewer samples than equation 2 asks for, within 1/255 RMS of its light (sampling \"distance\"), fog aside",
             AtLeast(5.0),
             brute,
+        ),
+        worst(
+            "LAO by data reduction: times faster than at 8.5, of times reduced",
+            AtLeast(1.0),
+            faster,
         ),
         worst(
             "compressed file to PNG, of gunzip, frame and LAO passes",

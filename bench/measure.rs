@@ -237,6 +237,22 @@ impl Clock {
             _ => pass_ms(session, pass).unwrap_or(time.wall_ms),
         }
     }
+
+    /// Of the last pass of this name, beside which the device did other work in `time` that takes `others_ms` by itself.
+    pub(crate) fn beside_ms(
+        &self,
+        session: &Session,
+        pass: &str,
+        time: FrameTime,
+        others_ms: f64,
+    ) -> f64 {
+        match self {
+            Self::Processor { .. } => {
+                f64::max(self.device_ms(session, pass, time) - others_ms, 0.0)
+            }
+            Self::Timestamps => pass_ms(session, pass).unwrap_or(0.0),
+        }
+    }
 }
 
 /// By the clock.

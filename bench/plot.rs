@@ -46,8 +46,13 @@ pub(crate) fn bars(series: &[&str], groups: &[(String, Vec<f64>)], unit: &str) -
     svg + "</svg>\n"
 }
 
-/// Points joined by lines, on logarithmic axes; coordinates are above 0.
-pub(crate) fn line(points: &[[f64; 2]], x_label: &str, y_label: &str) -> String {
+/// Points joined by lines, on logarithmic axes; coordinates are above 0. `dashed`: a line between two points to compare with.
+pub(crate) fn line(
+    points: &[[f64; 2]],
+    dashed: Option<[[f64; 2]; 2]>,
+    x_label: &str,
+    y_label: &str,
+) -> String {
     const HEIGHT: f64 = 340.0;
     const LEFT: f64 = 60.0;
     const TOP: f64 = 40.0;
@@ -55,7 +60,10 @@ pub(crate) fn line(points: &[[f64; 2]], x_label: &str, y_label: &str) -> String 
     const BOTTOM: f64 = HEIGHT - 50.0;
     // Where a coordinate lies between the smallest and the largest.
     let share = |axis: usize, value: f64| {
-        let values = || points.iter().map(|p| p[axis].ln());
+        let values = || {
+            let all = points.iter().chain(dashed.iter().flatten());
+            all.map(|p| p[axis].ln())
+        };
         let low = values().fold(f64::INFINITY, f64::min);
         let high = values().fold(f64::NEG_INFINITY, f64::max);
         (value.ln() - low) / (high - low).max(f64::MIN_POSITIVE)
@@ -69,16 +77,26 @@ pub(crate) fn line(points: &[[f64; 2]], x_label: &str, y_label: &str) -> String 
         svg,
         r##"<path d="M{LEFT} {TOP}V{BOTTOM}H{RIGHT}" stroke="#888" fill="none"/>"##
     );
-    let path: Vec<String> = points
-        .iter()
-        .map(|p| place(p).map(|c| format!("{c:.1}")).join(","))
-        .collect();
+    let path = |points: &[[f64; 2]]| {
+        let places = points.iter().map(place);
+        let written: Vec<String> = places
+            .map(|p| p.map(|c| format!("{c:.1}")).join(","))
+            .collect();
+        written.join(" ")
+    };
     let color = COLORS[0];
     let _ = write!(
         svg,
         r#"<polyline points="{}" stroke="{color}" stroke-width="2" fill="none"/>"#,
-        path.join(" ")
+        path(points)
     );
+    if let Some(ends) = dashed {
+        let _ = write!(
+            svg,
+            r##"<polyline points="{}" stroke="#888" stroke-dasharray="5 4" fill="none"/>"##,
+            path(&ends)
+        );
+    }
     for p in points {
         let [x, y] = place(p);
         let _ = write!(

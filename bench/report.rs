@@ -139,14 +139,19 @@ fn plots(run: &Run, peers: Option<&Peers>) -> String {
         .effects
         .reductions
         .iter()
-        .map(|p| [p.reached, p.ms_per_ray])
+        .map(|p| [p.reached, p.ms()])
         .collect();
-    if !points.is_empty() {
+    if let (Some(last), first) = (points.last(), goals::of_figure_5(run).next()) {
+        let linear = first.map(|p| {
+            let [start, product] = [p.reached, p.reached * p.ms()];
+            [start, last[0]].map(|reduction| [reduction, product / reduction])
+        });
         plots += "<h2>Light by data reduction</h2>\n";
         plots += &plot::line(
             &points,
+            linear,
             "data reduction",
-            "reduction: ms a direction; both axes logarithmic",
+            "reduction: ms a direction; both axes logarithmic; dashed: as many times faster as reduced",
         );
     }
     plots

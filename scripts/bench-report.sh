@@ -3,13 +3,13 @@
 #
 #   scripts/bench-report.sh [FOLDER]
 #
-# FOLDER (default bench/runs/2026-11-23-lavapipe-2core) gets figures.json, peers.json and report.html, docs/performance.md the tables.
+# FOLDER (default bench/runs/ and the day) gets figures.json, peers.json and report.html, docs/performance.md the tables.
 # Takes about ten minutes on two idle cores, after the build; anything else that runs there spoils the times.
 # UMBRAVOX_BENCH_SET=short measures less. UMBRAVOX_PEERS_VENV names the virtual environment with VTK; it is made where it is missing.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-folder=${1:-bench/runs/2026-11-23-lavapipe-2core}
+folder=${1:-bench/runs/$(date +%F)-$(nproc)core}
 measured=${UMBRAVOX_BENCH_SET:-record}
 venv=${UMBRAVOX_PEERS_VENV:-${TMPDIR:-/tmp}/umbravox-peers}
 scenes=$(mktemp -d)

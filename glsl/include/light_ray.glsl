@@ -99,22 +99,19 @@ vec4 light_sample_at(LightRay ray, vec3 at_ix) {
     return light_of_value(ray, brick, at_ix, reconstruct_linear(brick, brick_local(brick, at_ix)));
 }
 
-// Two at once, of packed corners where the atlas is the volume (packed_linear_pair).
+// Two at once, of packed corners (packed_linear_pair).
 vec4[2] light_samples_at(LightRay ray, vec3 first_ix, vec3 second_ix) {
-    Brick brick = brick_at(first_ix);
-    vec2 values = reconstruct_pair(brick, first_ix, second_ix);
+    Brick first = brick_at(first_ix);
+    Brick second = brick_at(second_ix);
+    vec2 values = reconstruct_pair(first, first_ix, second, second_ix);
     return vec4[](
-        light_of_value(ray, brick, first_ix, values.x), light_of_value(ray, brick, second_ix, values.y));
+        light_of_value(ray, first, first_ix, values.x), light_of_value(ray, second, second_ix, values.y));
 }
 
 // Gathers part `m`, or that and the next one if it comes before `end`. Returns the next one.
 uint gather_some(inout Gathered g, LightRay ray, uint m, uint end) {
     vec3 at_ix = middle_of_part(ray, float(m));
-    bool two = false;
-    if (UNIFORM_GRID) {
-        two = PACKED_CELLS != 0u;
-    }
-    if (two) {
+    if (PACKED_CELLS != 0u) {
         vec4 here[2] = light_samples_at(ray, at_ix, middle_of_part(ray, float(m + 1u)));
         bool on = true;
         [[unroll]] for (int n = 0; n < 2; ++n) {

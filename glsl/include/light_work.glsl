@@ -78,7 +78,7 @@ Sharing sharing_of(Brick b, ivec3 block_bx, ivec3 local) {
                 if (any(lessThan(there, ivec3(0))) || any(greaterThanEqual(there, volume.blocks))) {
                     continue;
                 }
-                int level = int(texelFetch(t_index, there, 0).w) - 1;
+                int level = int(index_entry(there).w) - 1;
                 if (level < 0) {
                     continue;
                 }

@@ -52,7 +52,7 @@ uint add_next(inout Accumulated acc, Ray ray, inout Node front, uint i, uint end
 uint add_next_pair(inout Accumulated acc, Ray ray, inout Node front, uint i, uint end, uint count, float shift) {
     vec3 middle_ix = node_position(ray, i + 1u, count, shift);
     vec3 back_ix = node_position(ray, i + 2u, count, shift);
-    vec2 values = reconstruct_pair(front.brick, middle_ix, back_ix);
+    vec2 values = reconstruct_pair(front.brick, middle_ix, front.brick, back_ix);
     float middle = table_place(values.x);
     float back = table_place(values.y);
     Segment segments[2] = Segment[](inner_segment(i, shift), inner_segment(i + 1u, shift));

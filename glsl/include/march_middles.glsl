@@ -55,7 +55,7 @@ uint add_next(inout Accumulated acc, Ray ray, Brick b, uint i, uint end, float s
 Classified[2] classify_middles(Ray ray, Brick b, Segment segments[2]) {
     vec3 first_ix = ray_position(ray, segments[0].middle, volume.field_ix);
     vec3 second_ix = ray_position(ray, segments[1].middle, volume.field_ix);
-    vec2 values = reconstruct_pair(b, first_ix, second_ix);
+    vec2 values = reconstruct_pair(b, first_ix, b, second_ix);
     Bin bins[2] = Bin[](bin_at(values.x), bin_at(values.y));
     Classified shown[2] = Classified[](classify_in(bins[0], frame.unit_exponent), classify_in(bins[1], frame.unit_exponent));
     return shown;

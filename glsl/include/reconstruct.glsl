@@ -55,8 +55,10 @@ float reconstruct_linear(Brick b, vec3 local) {
 }
 
 // At two positions at once, of packed corners.
-vec2 reconstruct_pair(Brick b, vec3 first_ix, vec3 second_ix) {
-    return packed_linear_pair(b.origin_at + brick_local(b, first_ix), b.origin_at + brick_local(b, second_ix));
+vec2 reconstruct_pair(Brick first, vec3 first_ix, Brick second, vec3 second_ix) {
+    return packed_linear_pair(
+        first.origin_at + brick_local(first, first_ix), second.origin_at + brick_local(second, second_ix)
+    );
 }
 
 // The trilinear field at any position, beyond the volume that of its border. `near` stands in where nothing is resident.

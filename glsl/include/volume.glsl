@@ -1,8 +1,10 @@
 // The bricked volume: index (block -> place in the atlas, level) and geometry of bricks.
 
 #include "params.glsl"
+#include "loads.glsl"
 
 layout(set = 0, binding = BINDING_INDEX) uniform usampler3D t_index;
+layout(set = 0, binding = BINDING_INDEX_LOADS, rgba16ui) uniform readonly uimage3D i_index;
 
 const int BLOCK_CELLS = 16;    // voxel cells on an axis of a block
 const int SKIP_CELLS = 4;      // voxel cells on an axis of a skip cell
@@ -26,6 +28,11 @@ ivec3 block_of(vec3 p_ix) {
     return min(ivec3(p_ix) / BLOCK_CELLS, volume.blocks - 1);
 }
 
+// Where a block's brick begins, in texels, and its level + 1; 0 for none.
+uvec4 index_entry(ivec3 block_bx) {
+    return LOADS ? imageLoad(i_index, block_bx) : texelFetch(t_index, block_bx, 0);
+}
+
 Brick brick_fetch(ivec3 block_bx) {
     Brick b;
     if (UNIFORM_GRID) {
@@ -38,7 +45,7 @@ Brick brick_fetch(ivec3 block_bx) {
         b.origin_at = b.base_ix;
         return b;
     }
-    uvec4 entry = texelFetch(t_index, block_bx, 0);
+    uvec4 entry = index_entry(block_bx);
     b.resident = entry.w != 0u;
     b.level = int(entry.w) - 1;
     b.base_ix = vec3(block_bx * BLOCK_CELLS);

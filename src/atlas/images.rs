@@ -112,7 +112,7 @@ impl Images {
                 "index",
                 store.grid().counts(),
                 vk::Format::R16G16B16A16_UINT,
-                sampled,
+                sampled | vk::ImageUsageFlags::STORAGE,
             )?,
             skip: volume_image(
                 "skip",

@@ -129,13 +129,12 @@ impl Uploads {
             recorder.clear(&images.light);
             self.light_cleared = true;
         }
-        for image in [&images.atlas, &images.index] {
-            recorder.use_image(image, Access::SampledRead);
-        }
+        recorder.use_image(&images.atlas, Access::SampledRead);
         if let Some(color) = &images.color {
             recorder.use_image(&color.image, Access::SampledRead);
         }
-        for image in [&images.skip, &images.transfer, &images.light] {
+        let texels = [&images.index, &images.skip, &images.transfer, &images.light];
+        for image in texels {
             recorder.use_image(image, Access::SampledGeneral);
         }
         recorder.flush();

@@ -105,7 +105,7 @@ pub struct Capabilities {
 const LLVMPIPE_LOOP_ROUNDS: u32 = 65_535;
 
 /// Storage images and storage texel buffers that the pass with most of them has (the pre-integrated march).
-const STORAGE_IMAGES: u32 = 10;
+const STORAGE_IMAGES: u32 = 11;
 
 /// `LP_MAX_THREADS` of Mesa's llvmpipe.
 const LLVMPIPE_MAX_THREADS: u32 = 32;

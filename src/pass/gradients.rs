@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::{Reconstruction, Variants, gradient_constant, sampled, use_packed_cells};
+use super::{Reconstruction, Variants, gradient_constant, sampled, use_index, use_packed_cells};
 use crate::atlas::{GRADIENT_CHUNK, GradientStore, GradientTexels, GradientVolume, Images};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Buffer, Context, Recorder, TexelBuffer, Uniforms};
@@ -80,17 +80,16 @@ impl GradientsPass {
             }
         }
         recorder.use_image(&images.atlas, Access::SampledRead);
-        recorder.use_image(&images.index, Access::SampledRead);
         let mut bound = vec![
             (BINDING_VOLUME, Bound::Uniform(volume)),
             (
                 BINDING_ATLAS,
                 sampled(&images.atlas, images.atlas_sampler()),
             ),
-            (BINDING_INDEX, sampled(&images.index, &images.nearest)),
             use_packed_cells(recorder, images),
             (BINDING_CHUNKS, Bound::Storage(&list)),
         ];
+        bound.extend(use_index(recorder, images));
         // For kinds of texels that these are not others stand in, and nothing writes them.
         let filtered = gradients.image().unwrap_or(&images.light);
         recorder.use_image(filtered, Access::Storage);

@@ -10,7 +10,7 @@
 
 use std::sync::Arc;
 
-use super::{Reconstruction, Variants, use_field, use_labels};
+use super::{Reconstruction, Variants, use_field, use_index, use_labels};
 use crate::atlas::{Images, LabelImages, LightLists, LightWork};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Recorder, Uniforms};
@@ -113,16 +113,11 @@ impl LightPass {
             volume,
             ..
         } = *resources;
+        let [fetched, loaded] = use_index(recorder, images);
         let bound = [
             (BINDING_VOLUME, Bound::Uniform(volume)),
-            (
-                BINDING_INDEX,
-                Bound::Sampled {
-                    image: &images.index,
-                    sampler: &images.nearest,
-                    general: false,
-                },
-            ),
+            fetched,
+            loaded,
             (BINDING_BRICKS, Bound::Storage(&lists.bricks)),
             (BINDING_WORK, Bound::Storage(&lists.seam)),
             (BINDING_LIGHT_STORE, Bound::StorageImage(&images.light)),

@@ -17,7 +17,7 @@ use std::sync::Arc;
 use crate::atlas::{GradientVolume, Images, LabelImages};
 use crate::error::Result;
 use crate::gpu::{Access, Bound, Context, Image, Pipeline, Recorder, Sampler, TexelBuffer};
-use crate::scene::{Gradient, Interpolation};
+use crate::scene::{Classification, Gradient, Interpolation};
 use crate::shader::PassInterface;
 
 /// Specialization constants: id and value.
@@ -77,6 +77,17 @@ pub(crate) struct Reconstruction {
 }
 
 impl Reconstruction {
+    /// Whether the march can take two samples at once: of packed corners, both in one brick. Segments that are integrated between
+    /// their ends lead from brick to brick.
+    pub(crate) fn pairs(self, classification: Classification) -> bool {
+        let in_one = match classification {
+            Classification::Post => true,
+            Classification::Preintegrated => self.uniform_grid,
+            Classification::Pre => false,
+        };
+        in_one && self.packed_cells > 0 && self.interpolation == Interpolation::Linear
+    }
+
     /// Specialization constants, the same ids in every pass.
     pub(crate) fn constants(self) -> Constants {
         use crate::shader::generated::{
@@ -153,6 +164,13 @@ fn use_transfer<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> [(u32, B
     use_texels(recorder, bindings, &images.transfer, &images.nearest)
 }
 
+/// Where bricks lie.
+fn use_index<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> [(u32, Bound<'a>); 2] {
+    use crate::shader::generated::{BINDING_INDEX, BINDING_INDEX_LOADS};
+    let bindings = [BINDING_INDEX, BINDING_INDEX_LOADS];
+    use_texels(recorder, bindings, &images.index, &images.nearest)
+}
+
 /// A texel buffer that shaders load from.
 fn use_texel_buffer<'a>(recorder: &mut Recorder<'_>, texels: &'a TexelBuffer) -> Bound<'a> {
     recorder.use_buffer(texels.buffer(), TexelBuffer::LOADED);
@@ -171,17 +189,12 @@ fn use_packed_cells<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> (u32
 
 /// What every pass that samples and classifies the field reads: asks for the barriers and gives the bindings.
 fn use_field<'a>(recorder: &mut Recorder<'_>, images: &'a Images) -> Vec<(u32, Bound<'a>)> {
-    use crate::shader::generated::{
-        BINDING_ATLAS, BINDING_INDEX, BINDING_SKIP, BINDING_SKIP_LOADS,
-    };
+    use crate::shader::generated::{BINDING_ATLAS, BINDING_SKIP, BINDING_SKIP_LOADS};
     let mut bound = vec![use_packed_cells(recorder, images)];
-    for (binding, image, sampler) in [
-        (BINDING_ATLAS, &images.atlas, images.atlas_sampler()),
-        (BINDING_INDEX, &images.index, &images.nearest),
-    ] {
-        recorder.use_image(image, Access::SampledRead);
-        bound.push((binding, sampled(image, sampler)));
-    }
+    recorder.use_image(&images.atlas, Access::SampledRead);
+    let atlas = sampled(&images.atlas, images.atlas_sampler());
+    bound.push((BINDING_ATLAS, atlas));
+    bound.extend(use_index(recorder, images));
     let bindings = [BINDING_SKIP, BINDING_SKIP_LOADS];
     bound.extend(use_texels(
         recorder,

@@ -18,7 +18,7 @@ use crate::pass::picture::{PictureResources, PictureVariant};
 use crate::pass::scatter::ScatterVariant;
 use crate::pass::shadow::ShadowResources;
 use crate::pass::{LARGEST_TILE, Reconstruction, Rectangle};
-use crate::scene::{Classification, Interpolation, OpticalModel, RayProjection, Shading};
+use crate::scene::{OpticalModel, RayProjection, Shading};
 use crate::shader::structs::{FrameParams, SurfaceParams, VolumeParams};
 
 /// Samples that one dispatch of the march takes at most: a quarter of a second at 0.5 billion a second.
@@ -282,12 +282,7 @@ impl Loaded {
             searched,
             votes: capabilities.votes && capabilities.loads_texels,
             // Searches take samples one by one, and gradients read enough at once.
-            paired: reconstruction.packed_cells > 0
-                && reconstruction.interpolation == Interpolation::Linear
-                && reconstruction.uniform_grid
-                && classification != Classification::Pre
-                && !searched
-                && !diffuse,
+            paired: reconstruction.pairs(classification) && !searched && !diffuse,
             jitter: march.jitter,
             aux: frame.aux.is_some(),
             scene_depth: frame.depth.is_some(),

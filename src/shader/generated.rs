@@ -457,6 +457,8 @@ pub const BINDING_INTEGRALS_LOADS: u32 = 61;
 
 pub const BINDING_GRADIENTS_IN_FOURS: u32 = 62;
 
+pub const BINDING_INDEX_LOADS: u32 = 63;
+
 pub const SPEC_INTERPOLATION: u32 = 0;
 
 pub const SPEC_BLOCKS_APART: u32 = 1;

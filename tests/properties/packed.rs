@@ -87,9 +87,14 @@ fn first(subject: &Subject, device: &Headless) -> (Picture, bool) {
 fn samples_two_by_two_are_those_one_by_one() {
     let device = device(|_| {});
     for (name, plain) in kinds() {
-        for classification in [Classification::Post, Classification::Preintegrated] {
+        for (classification, data_reduction) in [
+            (Classification::Post, 1.0),
+            (Classification::Preintegrated, 1.0),
+            (Classification::Post, 3.0),
+        ] {
             for (step, jitter) in [(1.0, false), (0.37, true)] {
                 let two = plain.with(|scene| {
+                    scene.storage.data_reduction = data_reduction;
                     scene.march.classification = Some(classification);
                     scene.march.step = step;
                     scene.march.jitter = jitter;
@@ -101,7 +106,8 @@ fn samples_two_by_two_are_those_one_by_one() {
                     scene.lighting.ambient = 1.0;
                     scene.lighting.diffuse = 0.0;
                 });
-                let what = format!("{name}, {classification:?}, step {step}");
+                let what =
+                    format!("{name}, {classification:?}, step {step}, reduction {data_reduction}");
                 let (two, packed) = first(&two, &device);
                 let (one, _) = first(&one, &device);
                 assert_eq!(packed, device.device().device_type == "cpu", "{what}");

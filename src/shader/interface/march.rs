@@ -69,6 +69,7 @@ macro_rules! march_bindings {
             storage_read(BINDING_BEAM_LIST),
             storage_read(BINDING_BEAM_RUNS),
             texel_buffer(BINDING_GRADIENTS_IN_FOURS, Access::Read),
+            storage_image(BINDING_INDEX_LOADS, Access::Read),
         ]
     };
 }

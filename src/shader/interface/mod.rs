@@ -166,7 +166,7 @@ const EXTREMUM_SPEC_IDS: &[u32] = &[
     SPEC_LOADS,
 ];
 
-const fn extremum_bindings(target: Access) -> [Binding; 13] {
+const fn extremum_bindings(target: Access) -> [Binding; 14] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -181,6 +181,7 @@ const fn extremum_bindings(target: Access) -> [Binding; 13] {
         sampled(BINDING_LABEL_TABLE),
         texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         storage_image(BINDING_TRANSFER_LOADS, Access::Read),
+        storage_image(BINDING_INDEX_LOADS, Access::Read),
     ]
 }
 
@@ -219,7 +220,7 @@ const ISOSURFACE_SPEC_IDS: &[u32] = &[
     SPEC_LOADS,
 ];
 
-const fn isosurface_bindings(target: Access) -> [Binding; 18] {
+const fn isosurface_bindings(target: Access) -> [Binding; 19] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -239,6 +240,7 @@ const fn isosurface_bindings(target: Access) -> [Binding; 18] {
         storage_image(BINDING_SKIP_LOADS, Access::Read),
         texel_buffer(BINDING_GRADIENTS_HALVES, Access::Read),
         texel_buffer(BINDING_GRADIENTS_IN_FOURS, Access::Read),
+        storage_image(BINDING_INDEX_LOADS, Access::Read),
     ]
 }
 
@@ -270,6 +272,7 @@ pub const GRADIENTS: PassInterface = PassInterface {
         texel_buffer(BINDING_GRADIENTS_HALVES, Access::Write),
         storage_image(BINDING_GRADIENTS_STORE, Access::Write),
         texel_buffer(BINDING_GRADIENTS_IN_FOURS, Access::Write),
+        storage_image(BINDING_INDEX_LOADS, Access::Read),
     ],
     push_constants: Some(PartPush::LAYOUT),
     spec_ids: &[
@@ -280,6 +283,7 @@ pub const GRADIENTS: PassInterface = PassInterface {
         SPEC_GRADIENT,
         SPEC_STORED_GRADIENTS,
         SPEC_PACKED_CELLS,
+        SPEC_LOADS,
     ],
     local_size: [4, 4, 4],
 };
@@ -327,6 +331,7 @@ pub const LIGHT_TRACE: PassInterface = PassInterface {
         texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         storage_image(BINDING_SKIP_LOADS, Access::Read),
         storage_image(BINDING_TRANSFER_LOADS, Access::Read),
+        storage_image(BINDING_INDEX_LOADS, Access::Read),
     ],
     push_constants: Some(LightPush::LAYOUT),
     spec_ids: &[
@@ -356,9 +361,10 @@ pub const LIGHT_SEAM: PassInterface = PassInterface {
         storage_read(BINDING_BRICKS),
         storage_read(BINDING_WORK),
         storage_image(BINDING_LIGHT_STORE, Access::ReadWrite),
+        storage_image(BINDING_INDEX_LOADS, Access::Read),
     ],
     push_constants: Some(PartPush::LAYOUT),
-    spec_ids: &[SPEC_UNIFORM_GRID, SPEC_RUNS],
+    spec_ids: &[SPEC_UNIFORM_GRID, SPEC_RUNS, SPEC_LOADS],
     local_size: [4, 4, 4],
 };
 

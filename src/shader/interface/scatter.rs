@@ -36,6 +36,7 @@ pub const GRID_MEDIUM: PassInterface = PassInterface {
         storage_image(BINDING_GRID_EMISSION_STORE, Access::Write),
         texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         storage_image(BINDING_TRANSFER_LOADS, Access::Read),
+        storage_image(BINDING_INDEX_LOADS, Access::Read),
     ],
     push_constants: None,
     spec_ids: &[

@@ -36,7 +36,7 @@ const TRANSPORT_SPEC_IDS: &[u32] = &[
     SPEC_LOADS,
 ];
 
-const fn transport_bindings(target: Access) -> [Binding; 24] {
+const fn transport_bindings(target: Access) -> [Binding; 25] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -62,6 +62,7 @@ const fn transport_bindings(target: Access) -> [Binding; 24] {
         storage_image(BINDING_TRANSFER_LOADS, Access::Read),
         texel_buffer(BINDING_GRADIENTS_HALVES, Access::Read),
         texel_buffer(BINDING_GRADIENTS_IN_FOURS, Access::Read),
+        storage_image(BINDING_INDEX_LOADS, Access::Read),
     ]
 }
 
@@ -102,7 +103,7 @@ const PATHTRACE_SPEC_IDS: &[u32] = &[
     SPEC_LOADS,
 ];
 
-const fn pathtrace_bindings(target: Access) -> [Binding; 21] {
+const fn pathtrace_bindings(target: Access) -> [Binding; 22] {
     [
         uniform(BINDING_VOLUME),
         uniform(BINDING_FRAME),
@@ -125,6 +126,7 @@ const fn pathtrace_bindings(target: Access) -> [Binding; 21] {
         texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         storage_image(BINDING_SKIP_LOADS, Access::Read),
         storage_image(BINDING_TRANSFER_LOADS, Access::Read),
+        storage_image(BINDING_INDEX_LOADS, Access::Read),
     ]
 }
 
@@ -159,6 +161,7 @@ pub const SHADOW_SWEEP: PassInterface = PassInterface {
         texel_buffer(BINDING_PACKED_CELLS, Access::Read),
         storage_image(BINDING_SKIP_LOADS, Access::Read),
         storage_image(BINDING_TRANSFER_LOADS, Access::Read),
+        storage_image(BINDING_INDEX_LOADS, Access::Read),
     ],
     push_constants: Some(SweepPush::LAYOUT),
     spec_ids: &[

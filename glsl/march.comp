@@ -73,8 +73,8 @@ void add_segment(inout Accumulated acc, Ray ray, Brick b, Segment segment, Class
 layout(constant_id = SPEC_PAIRED) const bool PAIRED = false;
 
 #ifndef VOTES
-// Adds what two segments show over whole steps, the second only if `both`. `b`: the brick at their middles.
-void add_pair(inout Accumulated acc, Ray ray, Brick b, Segment segments[2], Classified shown[2], bool both) {
+// Adds what two segments show over whole steps, the second only if `both`. `bricks`: those at their middles.
+void add_pair(inout Accumulated acc, Ray ray, Brick bricks[2], Segment segments[2], Classified shown[2], bool both) {
     bool on = true;
     // (A loop, so that its body is inlined once.)
     [[unroll]] for (int n = 0; n < 2; ++n) {
@@ -83,7 +83,7 @@ void add_pair(inout Accumulated acc, Ray ray, Brick b, Segment segments[2], Clas
         // Without opacity it adds nothing. (A branch would take longer.)
         c.opacity = on ? c.opacity : 0.0;
         acc.samples += uint(on);
-        add_segment(acc, ray, b, segments[n], c);
+        add_segment(acc, ray, bricks[n], segments[n], c);
         on = both && acc.opacity < frame.early_termination;
     }
 }

@@ -1,8 +1,8 @@
 // How the march follows the beams that beams.comp left: which one an invocation belongs to, and which segments may show something.
 // Includes beams.glsl first.
 
-// Where the atlas is the volume. A subgroup's rays go through the same segments then, none looks for a way of its own, and no
-// subgroup runs for pixels that show nothing: CPU drivers execute what a branch leaves out.
+// A subgroup's rays go through the same segments then, none looks for a way of its own, and no subgroup runs for pixels that show
+// nothing: CPU drivers execute what a branch leaves out.
 layout(constant_id = SPEC_BEAMS) const bool BEAMS = false;
 
 layout(set = 0, binding = BINDING_BEAM_TILES) readonly buffer BeamTiles { uint beam_tiles[]; };

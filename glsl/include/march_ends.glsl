@@ -3,12 +3,14 @@
 // The end of a segment.
 struct Node {
     Brick brick;
-    float place;  // of its value on an axis of the table
+    bool resident;  // whether there is a brick at it, not only one before it
+    float place;    // of its value on an axis of the table
 };
 
 Node node_at(vec3 p_ix, Brick fallback) {
-    Brick b = brick_near(p_ix, fallback);
-    return Node(b, table_place(reconstruct(b, p_ix)));
+    Brick there = brick_at(p_ix);
+    Brick b = there.resident ? there : fallback;
+    return Node(b, there.resident, table_place(reconstruct(b, p_ix)));
 }
 
 // What segment `i` shows between its ends; opacity over a whole step.
@@ -18,7 +20,8 @@ Classified classify_between(Ray ray, Node front, Node back, uint i, uint count, 
         front.place = table_place(reconstruct(back.brick, node_position(ray, i, count, shift)));
     }
     Classified c = classify_step(front.place, back.place);
-    c.opacity = back.brick.resident ? c.opacity : 0.0;
+    // A ray that leaves the last brick of some sees it up to the end of one segment.
+    c.opacity = front.resident || back.resident ? c.opacity : 0.0;
     return c;
 }
 
@@ -57,7 +60,8 @@ uint add_next_pair(inout Accumulated acc, Ray ray, inout Node front, uint i, uin
     float back = table_place(values.y);
     Segment segments[2] = Segment[](inner_segment(i, shift), inner_segment(i + 1u, shift));
     Classified shown[2] = Classified[](classify_step(front.place, middle), classify_step(middle, back));
-    add_pair(acc, ray, front.brick, segments, shown, i + 1u < end);
+    Brick bricks[2] = Brick[](front.brick, front.brick);
+    add_pair(acc, ray, bricks, segments, shown, i + 1u < end);
     front.place = back;
     return min(i + 2u, end);
 }

@@ -11,6 +11,14 @@ Classified classify_middle(Ray ray, Brick b, Segment segment, bool shorter) {
     return c;
 }
 
+// The brick of a sample. Where beams lead, runs go on from block to block. `run`: that of the run.
+Brick brick_of_sample(Brick run, vec3 p_ix) {
+    if (BEAMS) {
+        return brick_at(p_ix);
+    }
+    return run;
+}
+
 // Of segments listed in a word, a bit each, adds the first that shows something, of those up to it. Returns the others.
 uint add_listed(inout Accumulated acc, Ray ray, Brick b, uint word, uint bits, float shift) {
     uint at;
@@ -36,29 +44,35 @@ uint add_listed(inout Accumulated acc, Ray ray, Brick b, uint word, uint bits, f
 // Of segments from `i` up to `end`, adds the first that shows something. Returns the one after it.
 uint add_next(inout Accumulated acc, Ray ray, Brick b, uint i, uint end, float shift) {
     Segment segment;
+    Brick there;
     Classified c;
     bool more;
     do {
         segment = inner_segment(i, shift);
-        c = classify_middle(ray, b, segment, JITTER);
+        there = brick_of_sample(b, ray_position(ray, segment.middle, volume.field_ix));
+        c = classify_middle(ray, there, segment, JITTER);
+        c.opacity = there.resident ? c.opacity : 0.0;
         more = searches_on(c.opacity != 0.0) && i + 1u < end;
         acc.samples += uint(more);
         i += uint(more);
     } while (more);
     ++acc.samples;
-    add_segment(acc, ray, b, segment, c);
+    add_segment(acc, ray, there, segment, c);
     return i + 1u;
 }
 
 #ifndef VOTES
-// Samples two segments at their middles, in one brick.
-Classified[2] classify_middles(Ray ray, Brick b, Segment segments[2]) {
+// Adds what two segments show at their middles, the second only if `both`. `b`: the brick of the run.
+void add_middles(inout Accumulated acc, Ray ray, Brick b, Segment segments[2], bool both) {
     vec3 first_ix = ray_position(ray, segments[0].middle, volume.field_ix);
     vec3 second_ix = ray_position(ray, segments[1].middle, volume.field_ix);
-    vec2 values = reconstruct_pair(b, first_ix, b, second_ix);
+    Brick bricks[2] = Brick[](brick_of_sample(b, first_ix), brick_of_sample(b, second_ix));
+    vec2 values = reconstruct_pair(bricks[0], first_ix, bricks[1], second_ix);
     Bin bins[2] = Bin[](bin_at(values.x), bin_at(values.y));
     Classified shown[2] = Classified[](classify_in(bins[0], frame.unit_exponent), classify_in(bins[1], frame.unit_exponent));
-    return shown;
+    shown[0].opacity = bricks[0].resident ? shown[0].opacity : 0.0;
+    shown[1].opacity = bricks[1].resident ? shown[1].opacity : 0.0;
+    add_pair(acc, ray, bricks, segments, shown, both);
 }
 
 // Adds two of those that are listed, or one where there is no other.
@@ -67,14 +81,14 @@ uint add_listed_pair(inout Accumulated acc, Ray ray, Brick b, uint word, uint bi
     Segment first = inner_segment(32u * word + lowest_bit(bits), shift);
     Segment second = inner_segment(32u * word + lowest_bit(others == 0u ? bits : others), shift);
     Segment segments[2] = Segment[](first, second);
-    add_pair(acc, ray, b, segments, classify_middles(ray, b, segments), others != 0u);
+    add_middles(acc, ray, b, segments, others != 0u);
     return others & (others - 1u);
 }
 
 // Adds two of those up to `end`, or one where there is no other.
 uint add_next_pair(inout Accumulated acc, Ray ray, Brick b, uint i, uint end, float shift) {
     Segment segments[2] = Segment[](inner_segment(i, shift), inner_segment(i + 1u, shift));
-    add_pair(acc, ray, b, segments, classify_middles(ray, b, segments), i + 1u < end);
+    add_middles(acc, ray, b, segments, i + 1u < end);
     return min(i + 2u, end);
 }
 #endif
@@ -155,7 +169,11 @@ void march_whole(inout Accumulated acc, Ray ray, ListedBeam beam, uint whole, ui
                 } while (empty && i < whole);
             }
             Brick b = brick_at(p_ix);
-            i = b.resident ? i : run_end;
+            bool sampled = b.resident;
+            if (BEAMS) {
+                sampled = true;
+            }
+            i = sampled ? i : run_end;
             if (i < run_end) {
                 do {
                     i = add_some(acc, ray, b, i, run_end, shift);

@@ -87,11 +87,13 @@ impl Loaded {
     ) -> Result<Option<(Beams, BeamLengths)>> {
         let kept = self.beams.take();
         let capabilities = context.capabilities();
-        let serves = capabilities.casts_beams && casts(&self.settings) && self.is_uniform_grid();
+        let serves = capabilities.casts_beams && casts(&self.settings);
         if !serves || !self.has_narrow_pixels(rays, size_px, WIDEST_PIXEL) {
             return Ok(None);
         }
+        // Cells between voxels are those of the finest level.
         let look_up = self.images.shown_cells.is_some()
+            && self.is_uniform_grid()
             && self.has_narrow_pixels(rays, size_px, WIDEST_FOR_CELLS);
         // Those of the longest way, the one that a jittered start adds, and one for rounding.
         let segments = self.longest_mm() / self.step_mm() + 2.0;

@@ -4,7 +4,7 @@
 #   scripts/bench-report.sh [FOLDER]
 #
 # FOLDER (default bench/runs/ and the day) gets figures.json, peers.json and report.html, docs/performance.md the tables.
-# Takes about ten minutes on two idle cores, after the build; anything else that runs there spoils the times.
+# Takes about a quarter of an hour on two idle cores, after the build; anything else that runs there spoils the times.
 # UMBRAVOX_BENCH_SET=short measures less. UMBRAVOX_PEERS_VENV names the virtual environment with VTK; it is made where it is missing.
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -105,7 +105,7 @@ fn edit(headless: &Headless, case: &Case, repeats: u32) -> Result<[Spread; 2]> {
     Ok([wall(&plain), Spread::of(edited)])
 }
 
-/// One direction of light at every reduction.
+/// Light at every reduction: a direction that is not counted, others that are, and the last with the joining of bricks.
 fn reductions(headless: &Headless, case: &Case) -> Result<Vec<Reduction>> {
     let field = fields::find(&case.field)?;
     let volume = field.volume(case.size)?;

@@ -155,7 +155,7 @@ pub(crate) struct Effects {
 /// A point of the paper's figure 5.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Reduction {
-    /// Edge of the volume, voxels.
+    /// Edge of the volume, voxels; 0 in runs before that was written, whose times count joining otherwise.
     #[serde(default)]
     pub(crate) size: u32,
     pub(crate) asked: f64,

@@ -135,7 +135,10 @@ fn of_march(run: &Run) -> Vec<Goal> {
 
 /// The points that figure 5 of Hernell, Ljung and Ynnerman (2007) has.
 pub(crate) fn of_figure_5(run: &Run) -> impl Iterator<Item = &Reduction> {
-    run.effects.reductions.iter().filter(|p| p.asked > 1.0)
+    run.effects
+        .reductions
+        .iter()
+        .filter(|p| p.asked > 1.0 && p.size > 0)
 }
 
 fn of_light_and_rest(run: &Run) -> Vec<Goal> {

@@ -254,7 +254,7 @@ fn reductions(run: &Run) -> Table {
         title: "Light by data reduction",
         note: format!(
             "On blobs {size}³: the reductions of figure 5 of Hernell, Ljung and Ynnerman (2007), which begins at 8.5, and the least that \
-             the budget has room for. Bricks are joined once, after the last direction; times faster count a share of that, of {}.",
+             the budget has room for. Bricks are joined once, after the last direction, by a pass that is compiled then; times faster count a share of that, of {}.",
             AmbientOcclusion::default().rays
         ),
         columns: &[

@@ -62,9 +62,9 @@ void store_unseen(uvec2 first_px, bool seen) {
 void main() {
     // Neighbours stay with one run for a while: they share what they read.
     uint width = gl_NumWorkGroups.x;
-    Dealt dealt = deal(gl_WorkGroupID.y * width + gl_WorkGroupID.x, width * gl_NumWorkGroups.y, 8u);
-    uint row = times_in(width, dealt.piece);
-    uvec2 beam_xy = lane_pixel_in(uvec2(dealt.piece - row * width, row));
+    Dealt taken = deal(gl_WorkGroupID.y * width + gl_WorkGroupID.x, width * gl_NumWorkGroups.y, 8u);
+    uint row = times_in(width, taken.piece);
+    uvec2 beam_xy = lane_pixel_in(uvec2(taken.piece - row * width, row));
     uvec2 first_px = push.tile_px + BEAM_PX * beam_xy;
     if (is_outside(first_px)) {
         return;
@@ -104,8 +104,8 @@ void main() {
         all = mixed ? refined : all;
     }
     if (all != 0u) {
-        uint place = atomicAdd(beam_tiles[beam_list_length_at(dealt.run)], 1u);
-        beam_list[beam_list_at(dealt.run) + place] = beam_listed(beam_xy, first_word, end_word);
+        uint place = atomicAdd(beam_tiles[beam_list_length_at(taken.run)], 1u);
+        beam_list[beam_list_at(taken.run) + place] = beam_listed(beam_xy, first_word, end_word);
         const uint beams_a_row = BEAM_GROUPS_A_ROW * BEAMS_A_GROUP;
         if (place % beams_a_row == 0u) {
             // As many rows for every run.

@@ -15,7 +15,7 @@ Node node_at(vec3 p_ix, Brick fallback) {
 
 // What segment `i` shows between its ends; opacity over a whole step.
 Classified classify_between(Ray ray, Node front, Node back, uint i, uint count, float shift) {
-    if (!front.brick.resident) {
+    if (!front.resident) {
         // Nothing was there to sample: the brick behind goes up to their common face.
         front.place = table_place(reconstruct(back.brick, node_position(ray, i, count, shift)));
     }

@@ -62,7 +62,7 @@ uint add_next(inout Accumulated acc, Ray ray, Brick b, uint i, uint end, float s
 }
 
 #ifndef VOTES
-// Adds what two segments show at their middles, the second only if `both`. `b`: the brick of the run.
+// Adds what two segments show at their middles, the second only if `both`. `b`: the brick of the run, unused where beams lead.
 void add_middles(inout Accumulated acc, Ray ray, Brick b, Segment segments[2], bool both) {
     vec3 first_ix = ray_position(ray, segments[0].middle, volume.field_ix);
     vec3 second_ix = ray_position(ray, segments[1].middle, volume.field_ix);
@@ -169,6 +169,7 @@ void march_whole(inout Accumulated acc, Ray ray, ListedBeam beam, uint whole, ui
                 } while (empty && i < whole);
             }
             Brick b = brick_at(p_ix);
+            // Where beams lead, that is asked of every sample.
             bool sampled = b.resident;
             if (BEAMS) {
                 sampled = true;

@@ -77,15 +77,15 @@ pub(crate) struct Reconstruction {
 }
 
 impl Reconstruction {
-    /// Whether the march can take two samples at once: of packed corners, both in one brick. Segments that are integrated between
-    /// their ends lead from brick to brick.
+    /// Whether the march can take two samples at once, of packed corners. Segments that are integrated between their ends may lead from
+    /// brick to brick, and are taken one by one where levels mix.
     pub(crate) fn pairs(self, classification: Classification) -> bool {
-        let in_one = match classification {
+        let classifies = match classification {
             Classification::Post => true,
             Classification::Preintegrated => self.uniform_grid,
             Classification::Pre => false,
         };
-        in_one && self.packed_cells > 0 && self.interpolation == Interpolation::Linear
+        classifies && self.packed_cells > 0 && self.interpolation == Interpolation::Linear
     }
 
     /// Specialization constants, the same ids in every pass.

@@ -151,14 +151,16 @@ void march_whole(inout Accumulated acc, Ray ray, ListedBeam beam, uint whole, ui
     uint i = 0u;
     if (i < whole) {
         do {
-            vec3 p_ix = vec3(0.0);
+            Brick b;
             uint run_end;
             if (BEAMS) {
+                // Every sample finds its brick.
                 BeamRun run = next_beam_run(beam.bits_at, i, whole);
                 i = run.first;
                 run_end = run.end;
             } else {
                 // Leaps first, in a loop of their own: its body is all that empty space costs.
+                vec3 p_ix;
                 bool empty;
                 do {
                     p_ix = ray_position(ray, inner_segment(i, shift).middle, volume.field_ix);
@@ -167,14 +169,9 @@ void march_whole(inout Accumulated acc, Ray ray, ListedBeam beam, uint whole, ui
                     empty = region.empty;
                     i = empty ? run_end : i;
                 } while (empty && i < whole);
+                b = brick_at(p_ix);
+                i = b.resident ? i : run_end;
             }
-            Brick b = brick_at(p_ix);
-            // Where beams lead, that is asked of every sample.
-            bool sampled = b.resident;
-            if (BEAMS) {
-                sampled = true;
-            }
-            i = sampled ? i : run_end;
             if (i < run_end) {
                 do {
                     i = add_some(acc, ray, b, i, run_end, shift);

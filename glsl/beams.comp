@@ -75,7 +75,8 @@ void main() {
     uint all = 0u;
     uint word = 0u;
     uint end = 0u;
-    // Of cells between voxels: whether to look them up, and for which words.
+    // Of cells between voxels: whether to look them up, and which words have any bit then.
+    ShownGrid grid = shown_grid();
     bool mixed = false;
     uint first_word = 0u;
     uint end_word = 0u;
@@ -84,25 +85,25 @@ void main() {
     do {
         end += 32u << together_shift();
         uint bits = bits_of(beam, i, min(end, beam.segments), mixed);
-        all |= bits;
         if (SHOWN_CELLS) {
+            uvec4 singly = refine(beam, grid, 32u * word, mixed ? bits : 0u);
+            singly = mixed ? singly : fourfold(bits);
+            uint any_of_them = singly.x | singly.y | singly.z | singly.w;
+            all |= any_of_them;
             // Nothing reads words before the first that has any.
             uint words = all == 0u ? 0u : 4u;
             for (uint k = 0u; k < words; ++k) {
-                beam_runs[bits_at + word + k] = fourfold(bits >> (8u * k) & 0xffu);
+                beam_runs[bits_at + word + k] = singly[k];
             }
             word += 4u;
-            first_word = bits != 0u && first_word == end_word ? word - 4u : first_word;
-            end_word = bits != 0u ? word : end_word;
+            first_word = any_of_them != 0u && first_word == end_word ? word - 4u : first_word;
+            end_word = any_of_them != 0u ? word : end_word;
         } else {
+            all |= bits;
             beam_runs[bits_at + word] = bits;
             word++;
         }
     } while (end < beam.segments);
-    if (SHOWN_CELLS) {
-        uint refined = refine(beam, bits_at, first_word, mixed ? end_word : first_word);
-        all = mixed ? refined : all;
-    }
     if (all != 0u) {
         uint place = atomicAdd(beam_tiles[beam_list_length_at(taken.run)], 1u);
         beam_list[beam_list_at(taken.run) + place] = beam_listed(beam_xy, first_word, end_word);

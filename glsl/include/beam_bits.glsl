@@ -1,4 +1,4 @@
-// Bits of a beam: which of its segments may show something. Includes beam_box.glsl and shown_cells.glsl first, and `beam_runs`.
+// Bits of a beam: which of its segments may show something. Includes beam_box.glsl and shown_cells.glsl first.
 
 // Where along a segment samples may lie: at its middle, or from its start, or that of the one before where rays start anywhere in
 // a step, to its end. The middle of a ray's last one, which is shorter, is nearer to its start.
@@ -72,38 +72,37 @@ uint bits_of(Beam beam, inout uint i, uint end, inout bool mixed) {
     return bits;
 }
 
-// Each of 8 bits four times.
-uint fourfold(uint bits) {
-    bits = (bits | bits << 12) & 0x000f000fu;
-    bits = (bits | bits << 6) & 0x03030303u;
-    bits = (bits | bits << 3) & 0x11111111u;
-    return bits * 15u;
+// Each of 32 bits four times.
+uvec4 fourfold(uint bits) {
+    uvec4 four = uvec4(bits, bits >> 8, bits >> 16, bits >> 24) & 0xffu;
+    four = (four | four << 12) & 0x000f000fu;
+    four = (four | four << 6) & 0x03030303u;
+    four = (four | four << 3) & 0x11111111u;
+    return four * 15u;
 }
 
-// Takes away the bits of segments that show nothing, a bit each, of words [word, end).
-uint refine(Beam beam, uint bits_at, uint word, uint end) {
+// Of segments that 32 bits stand for, four each, a bit each for those that may show something. `from_segment`: the first of them.
+//
+// All 128 in one loop: beams that run together wait for the one with the most of them, and of 32 one may have all, another none.
+uvec4 refine(Beam beam, ShownGrid grid, uint from_segment, uint bits) {
     vec2 between = samples_between();
     float from = between.x;
     float to = between.y;
-    ShownGrid grid = shown_grid();
-    uint all = 0u;
-    if (word < end) {
+    uvec4 kept = uvec4(0u);
+    uint rest = bits;
+    uint within = 0u;
+    if (rest != 0u) {
         do {
-            uint rest = beam_runs[bits_at + word];
-            uint kept = 0u;
-            do {
-                uint bit = rest == 0u ? 0u : lowest_bit(rest);
-                uint segment = 32u * word + bit;
-                float first = float(segment) + (segment + 1u < beam.shortest ? from : min(from, 0.0));
-                float last = float(segment) + to;
-                bool found = may_show(grid, beam.rear_ix + first * beam.rear_step_ix, beam.front_ix + last * beam.front_step_ix);
-                kept |= found ? rest & (1u << bit) : 0u;
-                rest &= rest - 1u;
-            } while (rest != 0u);
-            beam_runs[bits_at + word] = kept;
-            all |= kept;
-            word++;
-        } while (word < end);
+            uint place = 4u * lowest_bit(rest) + within;
+            uint segment = from_segment + place;
+            float first = float(segment) + (segment + 1u < beam.shortest ? from : min(from, 0.0));
+            float last = float(segment) + to;
+            bool found = may_show(grid, beam.rear_ix + first * beam.rear_step_ix, beam.front_ix + last * beam.front_step_ix);
+            uint kept_bit = found ? 1u << (place & 31u) : 0u;
+            kept |= mix(uvec4(0u), uvec4(kept_bit), equal(uvec4(place >> 5), uvec4(0u, 1u, 2u, 3u)));
+            rest = within == 3u ? rest & (rest - 1u) : rest;
+            within = (within + 1u) & 3u;
+        } while (rest != 0u);
     }
-    return all;
+    return kept;
 }

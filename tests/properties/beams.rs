@@ -43,7 +43,7 @@ fn seen_from(camera: Camera) -> Subject {
 /// Name, and what is changed of the plain scene.
 type Change = (&'static str, fn(&mut Scene));
 
-const CHANGES: [Change; 9] = [
+const CHANGES: [Change; 10] = [
     ("post", |s| {
         s.march.classification = Some(Classification::Post)
     }),
@@ -58,6 +58,8 @@ const CHANGES: [Change; 9] = [
         s.march.classification = Some(Classification::Post);
     }),
     ("jitter, preintegrated", |s| s.march.jitter = true),
+    // More bits than are found at once.
+    ("400 segments", |s| s.march.step = 0.2),
     // Bits stand for more segments than the shortest.
     ("2000 segments", |s| s.march.step = 0.04),
     ("long steps", |s| s.march.step = 3.0),
@@ -256,6 +258,48 @@ fn cells_between_voxels_spare_samples_and_change_no_bit() {
         let singly = processor && what != "2000 segments";
         let spared = f64::from(taken) < 0.9 * f64::from(coarsely);
         assert_eq!(spared, singly, "{what}: {taken} samples, {coarsely}");
+    }
+    assert_valid(&device);
+}
+
+/// In blocks of which every skip cell shows something beams look up nothing finer.
+#[test]
+fn beams_through_whole_blocks_change_no_bit() {
+    let device = device(|_| {});
+    let balls = balls();
+    let Voxels::U8(voxels) = balls.voxels() else {
+        panic!("8-bit voxels");
+    };
+    // With one voxel that shows something in every skip cell of a part of it.
+    let mut voxels = voxels.clone();
+    for (i, value) in (0..).zip(voxels.iter_mut()) {
+        let [x, y, z] = [i % EDGE, i / EDGE % EDGE, i / (EDGE * EDGE)];
+        if x < 24 && [x, y, z].iter().all(|at| at % 4 == 2) {
+            *value = 255;
+        }
+    }
+    let volume = Volume::axis_aligned(Voxels::U8(voxels), [EDGE; 3], balls.spacing()).unwrap();
+    let volume = Arc::new(volume);
+    let along_y = Camera::Orthographic {
+        eye: [12.0, -90.0, 22.0],
+        target: [12.0, 26.0, 22.0],
+        up: [0.0, 0.0, 1.0],
+        height: 30.0,
+    };
+    for camera in [along_y, near()] {
+        for (what, change) in CHANGES {
+            let subject = Subject {
+                volume: Arc::clone(&volume),
+                ..seen_from(camera.clone())
+            };
+            let subject = subject.with(change);
+            let expected = subject
+                .with(|scene| scene.march.beams = false)
+                .picture(&device);
+            assert!(shown(&expected) > 10.0, "{what}");
+            let picture = subject.picture(&device);
+            assert_eq!(differing(&picture, &expected), 0, "{what}");
+        }
     }
     assert_valid(&device);
 }

@@ -5,3 +5,12 @@ cd "$(dirname "$0")/.."
 
 scripts/setup.sh run
 cargo run --release --quiet --example figures
+
+# What this device conforms to, between the fences of the document.
+document=docs/conformance.md
+# (It says which checks fail by its exit status, too.)
+report=$(cargo run --release --quiet -- conformance) || true
+written=$(mktemp)
+trap 'rm -f "$written"' EXIT
+REPORT=$report awk '/^```text$/ { print; print ENVIRON["REPORT"]; skip = 1 } /^```$/ { skip = 0 } !skip' "$document" > "$written"
+cat "$written" > "$document"

@@ -47,7 +47,7 @@ impl Residency {
         other_texel_bytes: u32,
     ) -> Result<Selection> {
         let voxel_bytes = store.volume.voxels().voxel_type().bytes() as u32;
-        select(
+        let selection = select(
             &store.statistics,
             shown,
             &Request {
@@ -55,7 +55,20 @@ impl Residency {
                 max_bytes: storage.budget_bytes(),
                 bytes_per_texel: voxel_bytes + other_texel_bytes,
             },
-        )
+        )?;
+        // Asked for everything at the finest level.
+        if storage.data_reduction == 1.0 && selection.error > 0.0 {
+            tracing::warn!(
+                "storage.memory_budget_mib: {} MiB hold one of {:.1} voxels; what shows is drawn coarser{}",
+                storage.memory_budget_mib,
+                selection.data_reduction,
+                match selection.dropped {
+                    0 => String::new(),
+                    dropped => format!(", {dropped} blocks of it not at all"),
+                }
+            );
+        }
+        Ok(selection)
     }
 
     /// Lays out the bricks of a selection.

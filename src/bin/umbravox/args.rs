@@ -69,14 +69,15 @@ pub(crate) struct InfoArgs {
 }
 
 #[derive(Args)]
+#[command(group(clap::ArgGroup::new("place").required(true).args(["world", "pixel"])))]
 pub(crate) struct ProbeArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
     /// A point, in millimetres (LPS).
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, required_unless_present = "pixel", conflicts_with = "pixel")]
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub(crate) world: Option<[f64; 3]>,
     /// A pixel: column and row, from 0, 0 at the top left.
-    #[arg(long, value_name = "X,Y", value_parser = pixel)]
+    #[arg(long, value_name = "X,Y", value_parser = pixel, allow_hyphen_values = true)]
     pub(crate) pixel: Option<[u32; 2]>,
     /// Print JSON.
     #[arg(long)]

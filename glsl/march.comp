@@ -49,22 +49,31 @@ bool searches_on(bool found) {
     return SEARCHED && on;
 }
 
-// Adds what a segment shows. `b`: the brick at its middle.
-void add_segment(inout Accumulated acc, Ray ray, Brick b, Segment segment, Classified c) {
-    vec3 p_ix = ray_position(ray, segment.middle, volume.field_ix);
+// The colour that data and labels give at the middle of a segment.
+void color_segment(Brick b, vec3 p_ix, inout Classified c) {
     apply_data_color(b, p_ix, c.color);
     apply_label(p_ix, c.color, c.opacity);
+}
+
+// `c`: with its colour as it is lit.
+void add_lit(inout Accumulated acc, Ray ray, Segment segment, Classified c) {
     if (XRAY) {
         acc.optical_depth += optical_depth(c.opacity);
         c.color = vec3(0.0);
         c.emission = vec3(0.0);
-    } else {
-        c.color *= shading(b, p_ix, ray.direction_ws, c.opacity > 0.0);
     }
     if (AUX) {
         gather_depth(acc, c.opacity, depth_mm(ray, segment.middle), frame.depth_threshold);
     }
     composite(acc, c.color + c.emission, c.opacity);
+}
+
+// Adds what a segment shows. `b`: the brick at its middle.
+void add_segment(inout Accumulated acc, Ray ray, Brick b, Segment segment, Classified c) {
+    vec3 p_ix = ray_position(ray, segment.middle, volume.field_ix);
+    color_segment(b, p_ix, c);
+    c.color *= shading(b, p_ix, ray.direction_ws, c.opacity > 0.0);
+    add_lit(acc, ray, segment, c);
 }
 
 // Two segments at once, of packed corners: what a sample reads, computes and adds is a long chain of steps that wait for each other, and
@@ -73,8 +82,11 @@ void add_segment(inout Accumulated acc, Ray ray, Brick b, Segment segment, Class
 layout(constant_id = SPEC_PAIRED) const bool PAIRED = false;
 
 #ifndef VOTES
-// Adds what two segments show over whole steps, the second only if `both`. `bricks`: those at their middles.
-void add_pair(inout Accumulated acc, Ray ray, Brick bricks[2], Segment segments[2], Classified shown[2], bool both) {
+// Adds what two segments show over whole steps, the second only if `both`. `bricks` and `received`: those at
+// their middles, and what shading makes of colours there.
+void add_pair(
+    inout Accumulated acc, Ray ray, Brick bricks[2], Segment segments[2], Classified shown[2], float received[2], bool both
+) {
     bool on = true;
     // (A loop, so that its body is inlined once.)
     [[unroll]] for (int n = 0; n < 2; ++n) {
@@ -83,7 +95,9 @@ void add_pair(inout Accumulated acc, Ray ray, Brick bricks[2], Segment segments[
         // Without opacity it adds nothing. (A branch would take longer.)
         c.opacity = on ? c.opacity : 0.0;
         acc.samples += uint(on);
-        add_segment(acc, ray, bricks[n], segments[n], c);
+        color_segment(bricks[n], ray_position(ray, segments[n].middle, volume.field_ix), c);
+        c.color *= received[n];
+        add_lit(acc, ray, segments[n], c);
         on = both && acc.opacity < frame.early_termination;
     }
 }

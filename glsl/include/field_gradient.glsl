@@ -29,10 +29,16 @@ vec3[2] gradients_of_column(int xy, ivec2 z, int within) {
     return vec3[](ten_bits_in(words.x), ten_bits_in(words.y));
 }
 
-// In units of `volume.gradient_unit`.
-vec3 gradient_between(vec3 p_ix) {
+// The gradients of the voxels around a place, and where between them it is.
+struct GradientCell {
+    vec3 columns[4][2];
+    vec3 f;
+};
+
+GradientCell load_gradients(vec3 p_ix) {
     ivec3 i = ivec3(p_ix);
-    precise vec3 f = p_ix - vec3(i);
+    GradientCell c;
+    c.f = p_ix - vec3(i);
     int within = 0;
     ivec3 j = min(i + 1, ivec3(volume.field_ix));
     if (STORED_GRADIENTS == 4u) {
@@ -43,22 +49,31 @@ vec3 gradient_between(vec3 p_ix) {
     j = gradient_place(j);
     i = gradient_place(i);
     ivec2 z = ivec2(i.z, j.z);
-    vec3 columns[4][2];
     [[unroll]] for (int n = 0; n < 4; ++n) {
-        columns[n] = gradients_of_column(((n & 1) == 0 ? i.x : j.x) + (n < 2 ? i.y : j.y), z, within);
+        c.columns[n] = gradients_of_column(((n & 1) == 0 ? i.x : j.x) + (n < 2 ? i.y : j.y), z, within);
     }
+    return c;
+}
+
+// In units of `volume.gradient_unit`.
+vec3 gradient_between(GradientCell c) {
     precise vec3 slices[2];
     [[unroll]] for (int n = 0; n < 2; ++n) {
         // Not mix(), which may miss the value that both ends have: flat places would have gradients.
-        precise vec3 low = columns[0][n] + (columns[1][n] - columns[0][n]) * f.x;
-        precise vec3 high = columns[2][n] + (columns[3][n] - columns[2][n]) * f.x;
-        slices[n] = low + (high - low) * f.y;
+        precise vec3 low = c.columns[0][n] + (c.columns[1][n] - c.columns[0][n]) * c.f.x;
+        precise vec3 high = c.columns[2][n] + (c.columns[3][n] - c.columns[2][n]) * c.f.x;
+        slices[n] = low + (high - low) * c.f.y;
     }
-    precise vec3 between = slices[0] + (slices[1] - slices[0]) * f.z;
+    precise vec3 between = slices[0] + (slices[1] - slices[0]) * c.f.z;
     if (STORED_GRADIENTS != 3u) {
         between *= 1.0 / TEN_BITS_SCALE;
     }
     return between;
+}
+
+// Of a gradient per index unit.
+vec3 gradient_per_mm(vec3 g) {
+    return g.x * volume.gradient_x_ws + g.y * volume.gradient_y_ws + g.z * volume.gradient_z_ws;
 }
 
 // In units of texture samples per mm.
@@ -75,8 +90,17 @@ vec3 gradient_ws(Brick b, vec3 p_ix) {
         break;
     }
     default:
-        g = gradient_between(p_ix) * volume.gradient_unit;
+        g = gradient_between(load_gradients(p_ix)) * volume.gradient_unit;
         break;
     }
-    return g.x * volume.gradient_x_ws + g.y * volume.gradient_y_ws + g.z * volume.gradient_z_ws;
+    return gradient_per_mm(g);
+}
+
+// At two places, by turns, as packed_linear_pair() has it; of gradients that are loaded.
+vec3[2] gradient_pair_ws(vec3 first_ix, vec3 second_ix) {
+    GradientCell first = load_gradients(first_ix);
+    GradientCell second = load_gradients(second_ix);
+    return vec3[](
+        gradient_per_mm(gradient_between(first) * volume.gradient_unit),
+        gradient_per_mm(gradient_between(second) * volume.gradient_unit));
 }

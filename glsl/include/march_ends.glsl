@@ -56,12 +56,16 @@ uint add_next_pair(inout Accumulated acc, Ray ray, inout Node front, uint i, uin
     vec3 middle_ix = node_position(ray, i + 1u, count, shift);
     vec3 back_ix = node_position(ray, i + 2u, count, shift);
     vec2 values = reconstruct_pair(front.brick, middle_ix, front.brick, back_ix);
+    Segment segments[2] = Segment[](inner_segment(i, shift), inner_segment(i + 1u, shift));
+    float received[2] = shading_pair(
+        ray_position(ray, segments[0].middle, volume.field_ix),
+        ray_position(ray, segments[1].middle, volume.field_ix),
+        ray.direction_ws);
     float middle = table_place(values.x);
     float back = table_place(values.y);
-    Segment segments[2] = Segment[](inner_segment(i, shift), inner_segment(i + 1u, shift));
     Classified shown[2] = Classified[](classify_step(front.place, middle), classify_step(middle, back));
     Brick bricks[2] = Brick[](front.brick, front.brick);
-    add_pair(acc, ray, bricks, segments, shown, i + 1u < end);
+    add_pair(acc, ray, bricks, segments, shown, received, i + 1u < end);
     front.place = back;
     return min(i + 2u, end);
 }

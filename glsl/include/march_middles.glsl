@@ -68,11 +68,13 @@ void add_middles(inout Accumulated acc, Ray ray, Brick b, Segment segments[2], b
     vec3 second_ix = ray_position(ray, segments[1].middle, volume.field_ix);
     Brick bricks[2] = Brick[](brick_of_sample(b, first_ix), brick_of_sample(b, second_ix));
     vec2 values = reconstruct_pair(bricks[0], first_ix, bricks[1], second_ix);
+    // Before anything waits for what the values are.
+    float received[2] = shading_pair(first_ix, second_ix, ray.direction_ws);
     Bin bins[2] = Bin[](bin_at(values.x), bin_at(values.y));
     Classified shown[2] = Classified[](classify_in(bins[0], frame.unit_exponent), classify_in(bins[1], frame.unit_exponent));
     shown[0].opacity = bricks[0].resident ? shown[0].opacity : 0.0;
     shown[1].opacity = bricks[1].resident ? shown[1].opacity : 0.0;
-    add_pair(acc, ray, bricks, segments, shown, both);
+    add_pair(acc, ray, bricks, segments, shown, received, both);
 }
 
 // Adds two of those that are listed, or one where there is no other.

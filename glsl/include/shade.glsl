@@ -21,6 +21,11 @@ float lambert(vec3 gradient, vec3 light, float ambient, float diffuse) {
     return ambient + diffuse * abs(dot(normalize(gradient / largest), light));
 }
 
+float reflected(vec3 gradient, vec3 direction_ws) {
+    vec3 light = frame.light_direction_ws.w > 0.0 ? frame.light_direction_ws.xyz : -direction_ws;
+    return lambert(gradient, light, frame.ambient, frame.diffuse);
+}
+
 // What light and surface make of a colour; 1 without either. `shown`: false where nothing depends on the answer.
 vec3 shading(Brick b, vec3 p_ix, vec3 direction_ws, bool shown) {
     vec3 received = vec3(1.0);
@@ -29,9 +34,17 @@ vec3 shading(Brick b, vec3 p_ix, vec3 direction_ws, bool shown) {
     }
     if (DIFFUSE) {
         if (shown) {
-            vec3 light = frame.light_direction_ws.w > 0.0 ? frame.light_direction_ws.xyz : -direction_ws;
-            received *= lambert(gradient_ws(b, p_ix), light, frame.ambient, frame.diffuse);
+            received *= reflected(gradient_ws(b, p_ix), direction_ws);
         }
     }
     return received;
+}
+
+// Of two places at once, without a light volume; gradients are loaded.
+float[2] shading_pair(vec3 first_ix, vec3 second_ix, vec3 direction_ws) {
+    if (DIFFUSE) {
+        vec3 gradients[2] = gradient_pair_ws(first_ix, second_ix);
+        return float[](reflected(gradients[0], direction_ws), reflected(gradients[1], direction_ws));
+    }
+    return float[](1.0, 1.0);
 }

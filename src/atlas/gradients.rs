@@ -50,6 +50,11 @@ impl GradientTexels {
         }
     }
 
+    /// Whether shaders load texels and interpolate, not the texture unit.
+    pub(crate) fn are_loaded(self) -> bool {
+        self != Self::Filtered
+    }
+
     fn bytes(self) -> u32 {
         match self {
             Self::TenBits => 4,

@@ -9,7 +9,7 @@ use super::scattered::ScatterInputs;
 use super::settings::Settings;
 use super::transport::{Transport, environment_kind, phase_kind};
 use super::{Frame, FrameReport, Paths, RayBasis, pass_name};
-use crate::atlas::{GradientVolume, PackedCells, Pages, UploadResources};
+use crate::atlas::{GradientTexels, GradientVolume, PackedCells, Pages, UploadResources};
 use crate::error::{Error, Result};
 use crate::gpu::{Context, Recorder, Uniforms};
 use crate::pass::bare::BareResources;
@@ -261,11 +261,14 @@ impl Loaded {
         } = &self.settings;
         let diffuse = lighting.shading == Shading::Diffuse;
         let capabilities = context.capabilities();
+        let singly = lengths.is_some_and(|lengths| lengths.singly);
         let searched = self.light.is_some()
             || self.labels.is_some()
-            || diffuse && self.settings.composites() && self.searches_for_shading(context);
+            || diffuse && self.settings.composites() && self.searches_for_shading(context, singly);
         let reconstruction = self.reconstruction(lighting.emission);
         let classification = march.classification();
+        let stored_gradients = self.read_gradients().map(GradientVolume::texels);
+        let shades_pairs = !diffuse || stored_gradients.is_some_and(GradientTexels::are_loaded);
         let variant = PictureVariant {
             reconstruction,
             projection: march.projection,
@@ -273,16 +276,16 @@ impl Loaded {
             light: self.light.is_some(),
             diffuse,
             gradient: lighting.gradient,
-            stored_gradients: self.read_gradients().map(GradientVolume::texels),
+            stored_gradients,
             transport: self.transport.as_ref().map(Transport::variant),
             data_color: self.images.color.is_some(),
             beams: beams.is_some(),
             cleared: cleared.is_some(),
-            shown_cells: lengths.is_some_and(|lengths| lengths.singly),
+            shown_cells: singly,
             searched,
             votes: capabilities.votes && capabilities.loads_texels,
-            // Searches take samples one by one, and gradients read enough at once.
-            paired: reconstruction.pairs(classification) && !searched && !diffuse,
+            // Searches take samples one by one.
+            paired: reconstruction.pairs(classification) && !searched && shades_pairs,
             jitter: march.jitter,
             aux: frame.aux.is_some(),
             scene_depth: frame.depth.is_some(),
@@ -344,13 +347,12 @@ impl Loaded {
     }
 
     /// Whether what is only shaded is searched for: processors shade all samples by stored gradients faster where most of them show
-    /// something.
-    fn searches_for_shading(&self, context: &Context) -> bool {
+    /// something. `singly`: beams have left out most of those that show nothing.
+    fn searches_for_shading(&self, context: &Context, singly: bool) -> bool {
         if !context.capabilities().loads_texels || self.read_gradients().is_none() {
             return true;
         }
-        let share = *self.share_shown.get_or_init(|| self.share_shown());
-        share < SHOWN_FOR_ALL
+        !singly && *self.share_shown.get_or_init(|| self.share_shown()) < SHOWN_FOR_ALL
     }
 
     /// Refuses pictures of which some device would leave a part out without a word.

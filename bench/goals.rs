@@ -85,6 +85,12 @@ fn of_march(run: &Run) -> Vec<Goal> {
         .map(|(plain, shaded)| (name(plain), ratio(&shaded.march_ms, &plain.march_ms)));
     let voxels = pairs(run, |case| case.size *= 2)
         .map(|(small, large)| (name(large), ratio(&large.march_ms, &small.march_ms)));
+    // A step is one of the volume's own voxels: half as long in space, in twice the voxels along it.
+    let as_many_samples = pairs(run, |case| {
+        case.size *= 2;
+        case.step *= 2.0;
+    })
+    .map(|(small, large)| (name(large), ratio(&large.march_ms, &small.march_ms)));
     // Small volumes say nothing of memory: tables weigh more than voxels.
     let large = run.pictures.iter().filter(|p| p.voxel_bytes >= 1 << 24);
     let resident = |of: fn(&Picture) -> u64| {
@@ -112,6 +118,11 @@ fn of_march(run: &Run) -> Vec<Goal> {
         ),
         worst("shaded: time of unshaded", AtMost(1.6), shaded),
         worst("eight times the voxels: time", AtMost(2.0), voxels),
+        worst(
+            "the same, of the same samples (256³ at step 0.5)",
+            AtMost(2.0),
+            as_many_samples,
+        ),
         worst(
             "new transfer function to first right frame, plain frames",
             AtMost(1.3),

@@ -1,6 +1,6 @@
 """Umbravox and VTK in turn, frame by frame, on the same volumes, transfer functions, cameras and steps.
 
-    cargo bench --bench gpu -- --export /tmp/peers --size 256 --image 512
+    cargo bench --bench gpu -- --set record --export /tmp/peers
     python bench/peers/run.py /tmp/peers --program target/release/umbravox --json peers.json
 
 Every round draws one frame with each renderer. Pictures are compared before times are: ours must agree with one of VTK's

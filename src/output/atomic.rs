@@ -1,7 +1,7 @@
 //! Files that appear whole or not at all.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -19,19 +19,24 @@ pub(super) fn write(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<File>) -> Result<()>,
 ) -> Result<()> {
-    let temporary = Temporary::beside(path);
     let io = |e| Error::io(path, e);
-    let file = OpenOptions::new()
-        .write(true)
-        .create_new(true)
-        .open(&temporary.path)
-        .map_err(io)?;
+    let (temporary, file) = Temporary::create(path).map_err(io)?;
     let mut writer = BufWriter::new(file);
     fill(&mut writer)?;
     let file = writer.into_inner().map_err(|e| io(e.into_error()))?;
     // Without this a power cut soon after the rename could leave an empty file under the final name.
     file.sync_all().map_err(io)?;
     fs::rename(&temporary.path, path).map_err(io)
+}
+
+/// Checks that [`write()`] can begin at `path`: makes its temporary file, and removes it.
+///
+/// # Errors
+/// [`Error::Io`].
+pub(super) fn check(path: &Path) -> Result<()> {
+    Temporary::create(path)
+        .map(drop)
+        .map_err(|e| Error::io(path, e))
 }
 
 /// Writes a file of known content.
@@ -50,14 +55,18 @@ struct Temporary {
 }
 
 impl Temporary {
-    fn beside(path: &Path) -> Self {
+    /// An empty file in the folder of `path`.
+    fn create(path: &Path) -> io::Result<(Self, File)> {
         let serial = SERIAL.fetch_add(1, Ordering::Relaxed);
         let mut name = std::ffi::OsString::from(".");
         name.push(path.file_name().unwrap_or_default());
         name.push(format!(".{}-{serial}.tmp", std::process::id()));
-        Self {
-            path: folder_of(path).join(name),
-        }
+        let path = folder_of(path).join(name);
+        let file = OpenOptions::new()
+            .write(true)
+            .create_new(true)
+            .open(&path)?;
+        Ok((Self { path }, file))
     }
 }
 

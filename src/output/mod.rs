@@ -42,11 +42,10 @@ pub struct Target {
 }
 
 impl Target {
-    /// Checks extension and folder.
+    /// Checks extension and place.
     ///
     /// # Errors
-    /// [`Error::Invalid`] when the extension is neither `.png` nor `.exr`, the folder does not exist, or the path
-    /// is a folder.
+    /// [`Error::Invalid`] when the extension is neither `.png` nor `.exr`, or as [`check_place`].
     pub fn new(path: impl Into<PathBuf>) -> Result<Self> {
         let path = path.into();
         let extension = path.extension().unwrap_or_default();
@@ -125,10 +124,11 @@ pub fn read_provenance(path: &Path) -> Result<Vec<(String, String)>> {
     entries.map_err(|message| Error::invalid(path.display().to_string(), message))
 }
 
-/// Checks that a file can be put at `path`: its folder exists, and it is not a folder itself.
+/// Checks that a file can be put at `path`: its folder exists and takes files (one is made there and removed), and it is not a
+/// folder itself.
 ///
 /// # Errors
-/// [`Error::Invalid`].
+/// [`Error::Invalid`]; [`Error::Io`] where the folder takes none.
 pub fn check_place(path: &Path) -> Result<()> {
     let at = || path.display().to_string();
     if path.is_dir() {
@@ -138,11 +138,11 @@ pub fn check_place(path: &Path) -> Result<()> {
         return Err(Error::invalid(at(), "is not a file name"));
     }
     let folder = folder_of(path);
-    if folder.is_dir() {
-        return Ok(());
+    if !folder.is_dir() {
+        let message = format!("there is no folder {}; create it first", folder.display());
+        return Err(Error::invalid(at(), message));
     }
-    let message = format!("there is no folder {}; create it first", folder.display());
-    Err(Error::invalid(at(), message))
+    atomic::check(path)
 }
 
 fn folder_of(path: &Path) -> &Path {

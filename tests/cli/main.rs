@@ -217,6 +217,17 @@ fn bad_outputs_are_refused_before_rendering() {
     assert_eq!(message, "ball.nrrd: is also an input; give another file");
 }
 
+/// Said before the scene is even looked for: rendering may take hours.
+#[cfg(target_os = "linux")]
+#[test]
+fn folders_that_take_no_file_are_found_before_rendering() {
+    let place = Workplace::new();
+    for (command, file) in [("render", "/proc/a.png"), ("light", "/proc/l.nrrd")] {
+        let message = place.refuse(&[command, "none.json", "-o", file]);
+        assert!(message.starts_with(&format!("{file}: ")), "{message}");
+    }
+}
+
 #[test]
 fn unknown_devices_are_refused() {
     let place = Workplace::new();

@@ -3,17 +3,26 @@
 use std::sync::OnceLock;
 
 use schemars::generate::SchemaSettings;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::Scene;
+
+/// The key by which a scene file names its schema to editors.
+pub(super) const SCHEMA_KEY: &str = "$schema";
 
 /// JSON Schema of the scene file, with descriptions and defaults. Ranges stand in the descriptions;
 /// [`Scene::validate`] enforces them.
 pub fn schema() -> Value {
-    SchemaSettings::draft2020_12()
+    let mut schema = SchemaSettings::draft2020_12()
         .into_generator()
         .into_root_schema_for::<Scene>()
-        .to_value()
+        .to_value();
+    schema["properties"][SCHEMA_KEY] = json!({
+        "type": "string",
+        "format": "uri-reference",
+        "description": "Where this schema lies, for editors.",
+    });
+    schema
 }
 
 /// The same without references, for walking along with a value.

@@ -242,6 +242,15 @@ fn a_volume_without_a_scene_gets_one() {
 }
 
 #[test]
+fn scenes_may_name_their_schema() {
+    let naming = |schema: &str| MINIMAL.replacen('{', &format!("{{ \"$schema\": {schema}, "), 1);
+    let plain = set(MINIMAL, &[]).unwrap();
+    assert_eq!(set(&naming("\"scene.schema.json\""), &[]).unwrap(), plain);
+    assert!(error(set(&naming("4"), &[])).starts_with("$schema: unknown key"));
+    assert_eq!(schema()["properties"]["$schema"]["type"], "string");
+}
+
+#[test]
 fn schema_describes_every_key() {
     fn undescribed(schema: &Value, at: &str, found: &mut Vec<String>) {
         for (key, property) in schema["properties"].as_object().into_iter().flatten() {

@@ -12,6 +12,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
+use super::schema::SCHEMA_KEY;
 use super::{Environment, Scene};
 use crate::error::{Error, Result};
 
@@ -65,7 +66,14 @@ impl Scene {
     /// would be valid there.
     pub fn from_json(text: &str, folder: &Path, overrides: &[Override]) -> Result<Self> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut scene = Self::from_value(unique_keys::parse(text)?, overrides)?;
+        let mut value = unique_keys::parse(text)?;
+        // For editors: which schema the file follows. It says nothing of the picture.
+        if let Some(keys) = value.as_object_mut()
+            && keys.get(SCHEMA_KEY).is_some_and(Value::is_string)
+        {
+            keys.remove(SCHEMA_KEY);
+        }
+        let mut scene = Self::from_value(value, overrides)?;
         // `join` keeps an absolute path as it is.
         if scene.volume.procedural.is_none() {
             scene.volume.path = folder.join(&scene.volume.path);

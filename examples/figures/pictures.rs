@@ -123,7 +123,7 @@ const FIGURES: &[Figure] = &[
         &[SMALL, CLOSE_UP, "ambient_occlusion=null", HEADLIGHT],
     ),
     figure("fig8_lao_close", AORTA, &[SMALL, CLOSE_UP, UNSHADED]),
-    figure("aorta", AORTA, &["image.size=[296,296]"]),
+    figure("aorta", AORTA, &[]),
     figure("filter_linear", MARSCHNER_LOBB, &[]),
     figure(
         "filter_linear_bspline_gradient",

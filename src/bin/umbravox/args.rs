@@ -176,10 +176,10 @@ pub(crate) struct BenchArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
     /// Frames to time.
-    #[arg(long, default_value_t = 20, value_parser = value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, default_value_t = 20, value_parser = value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
     pub(crate) frames: u32,
     /// Frames before those.
-    #[arg(long, default_value_t = 3)]
+    #[arg(long, default_value_t = 3, allow_negative_numbers = true)]
     pub(crate) warmup: u32,
     /// Degrees that the camera turns about the volume from frame to frame.
     #[arg(long, default_value_t = 5.0, value_name = "DEGREES", value_parser = finite, allow_negative_numbers = true)]

@@ -1,11 +1,13 @@
 //! Packed corners of voxel cells show what filters do, wherever something interpolates.
 
+use std::sync::Arc;
+
 use umbravox::headless::{Headless, Session};
 use umbravox::picture::Picture;
 use umbravox::scene::{
-    AmbientOcclusion, Camera, Classification, Interpolation, RayProjection, Shading,
+    AmbientOcclusion, Camera, Classification, Interpolation, LabelSource, RayProjection, Shading,
 };
-use umbravox::volume::{Volume, Voxels};
+use umbravox::volume::{LabelMap, Volume, Voxels};
 
 use crate::sessions::{Subject, assert_valid, device, largest_difference, point, shown};
 
@@ -82,7 +84,8 @@ fn first(subject: &Subject, device: &Headless) -> (Picture, bool) {
     (picture, packs(&mut session))
 }
 
-/// Shading that leaves colours as they are takes samples one by one; without it processors take two at once.
+/// Shading that leaves colours as they are, by gradients that are not stored, takes samples one by one; without it processors take two
+/// at once.
 #[test]
 fn samples_two_by_two_are_those_one_by_one() {
     let device = device(|_| {});
@@ -107,6 +110,7 @@ fn samples_two_by_two_are_those_one_by_one() {
                     scene.lighting.shading = Shading::Diffuse;
                     scene.lighting.ambient = 1.0;
                     scene.lighting.diffuse = 0.0;
+                    scene.lighting.stored_gradients = false;
                 });
                 let what =
                     format!("{name}, {classification:?}, step {step}, reduction {data_reduction}");
@@ -119,6 +123,50 @@ fn samples_two_by_two_are_those_one_by_one() {
         }
     }
     assert_valid(&device);
+}
+
+/// Samples are searched for one by one where there are labels, which here change nothing.
+#[test]
+fn shaded_samples_two_by_two_are_those_one_by_one() {
+    let device = device(|_| {});
+    for (name, plain) in kinds() {
+        for classification in [Classification::Post, Classification::Preintegrated] {
+            for (step, jitter) in [(1.0, false), (0.37, true)] {
+                let two = plain.with(|scene| {
+                    scene.lighting.shading = Shading::Diffuse;
+                    scene.march.classification = Some(classification);
+                    scene.march.step = step;
+                    scene.march.jitter = jitter;
+                    scene.march.early_termination = 0.4;
+                });
+                let one = Subject {
+                    volume: Arc::new(as_background(&two.volume)),
+                    ..two.with(|scene| {
+                        scene.volume.labels = Some(LabelSource::new("in-memory"));
+                    })
+                };
+                let what = format!("{name}, {classification:?}, step {step}");
+                let (two, packed) = first(&two, &device);
+                let (one, _) = first(&one, &device);
+                assert_eq!(packed, device.device().device_type == "cpu", "{what}");
+                assert!(shown(&two) > 100.0, "{what}");
+                assert!(two.rgba == one.rgba && two.depth == one.depth, "{what}");
+            }
+        }
+    }
+    assert_valid(&device);
+}
+
+/// The volume with labels, all of it background.
+fn as_background(volume: &Volume) -> Volume {
+    let everywhere = Volume::new(
+        Voxels::U8(vec![0; volume.voxels().len()]),
+        volume.size(),
+        volume.world_from_ix(),
+        Default::default(),
+    );
+    let map = LabelMap::new(&everywhere.unwrap()).unwrap();
+    volume.clone().with_labels(Some(Arc::new(map))).unwrap()
 }
 
 #[test]

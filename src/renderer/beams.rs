@@ -128,13 +128,21 @@ impl Loaded {
         let world_from_ix = volume.world_from_ix();
         // The device rounds places along rays that may come from afar.
         let far_ix = world_from_ix.inverse().transform_point3(rays.origin);
-        let margin = 0.02 + 1e-6 * far_ix.abs().max_element();
+        let mut margin = DVec3::splat(0.02 + 1e-6 * far_ix.abs().max_element());
+        if self.settings.is_preintegrated() && !self.is_uniform_grid() {
+            // Where only one end of a segment lies in a brick, the other is read at the nearest place of that, beside the ray
+            // (march_ends.glsl).
+            let axes_ix = world_from_ix.matrix3.inverse().transpose();
+            margin += self.step_mm()
+                * DVec3::from_array([0, 1, 2].map(|axis| axes_ix.col(axis).length()));
+        }
+        let margin = margin.to_array();
         let corners: [DVec3; 8] = std::array::from_fn(|corner| {
             let ix = [0, 1, 2].map(|axis| {
                 if corner >> axis & 1 == 0 {
-                    f64::from(SKIP_CELLS * first[axis]) - margin
+                    f64::from(SKIP_CELLS * first[axis]) - margin[axis]
                 } else {
-                    f64::from(SKIP_CELLS * (last[axis] + 1)) + margin
+                    f64::from(SKIP_CELLS * (last[axis] + 1)) + margin[axis]
                 }
             });
             world_from_ix.transform_point3(DVec3::from_array(ix))

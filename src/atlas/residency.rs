@@ -47,7 +47,7 @@ impl Residency {
         other_texel_bytes: u32,
     ) -> Result<Selection> {
         let voxel_bytes = store.volume.voxels().voxel_type().bytes() as u32;
-        let selection = select(
+        select(
             &store.statistics,
             shown,
             &Request {
@@ -55,7 +55,12 @@ impl Residency {
                 max_bytes: storage.budget_bytes(),
                 bytes_per_texel: voxel_bytes + other_texel_bytes,
             },
-        )?;
+        )
+    }
+
+    /// Says where there was no room for what was asked for.
+    pub(crate) fn warn_of_coarser(&self, storage: &scene::Storage) {
+        let selection = &self.selection;
         // Asked for everything at the finest level.
         if storage.data_reduction == 1.0 && selection.error > 0.0 {
             tracing::warn!(
@@ -68,7 +73,6 @@ impl Residency {
                 }
             );
         }
-        Ok(selection)
     }
 
     /// Lays out the bricks of a selection.

@@ -266,6 +266,7 @@ impl Loaded {
         self.uploads.reclassify();
         self.share_shown = OnceLock::new();
         if let Some(residency) = residency {
+            residency.warn_of_coarser(&settings.storage);
             self.residency = residency;
         }
         if let Some(visibility) = visibility {
@@ -472,7 +473,9 @@ fn choose(
     settings: &Settings,
 ) -> Result<Residency> {
     let selection = select(store, table, settings)?;
-    Residency::new(store, selection, context.capabilities().max_extent_3d)
+    let residency = Residency::new(store, selection, context.capabilities().max_extent_3d)?;
+    residency.warn_of_coarser(&settings.storage);
+    Ok(residency)
 }
 
 /// Lengths that the transfer-function table is made for.

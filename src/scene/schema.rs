@@ -13,7 +13,11 @@ pub(super) const SCHEMA_KEY: &str = "$schema";
 /// JSON Schema of the scene file, with descriptions and defaults. Ranges stand in the descriptions;
 /// [`Scene::validate`] enforces them.
 pub fn schema() -> Value {
-    let mut schema = SchemaSettings::draft2020_12()
+    of_scene(SchemaSettings::draft2020_12())
+}
+
+fn of_scene(settings: SchemaSettings) -> Value {
+    let mut schema = settings
         .into_generator()
         .into_root_schema_for::<Scene>()
         .to_value();
@@ -29,10 +33,6 @@ pub fn schema() -> Value {
 pub(super) fn inlined() -> &'static Value {
     static INLINED: OnceLock<Value> = OnceLock::new();
     INLINED.get_or_init(|| {
-        SchemaSettings::draft2020_12()
-            .with(|settings| settings.inline_subschemas = true)
-            .into_generator()
-            .into_root_schema_for::<Scene>()
-            .to_value()
+        of_scene(SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true))
     })
 }

@@ -66,13 +66,7 @@ impl Scene {
     /// would be valid there.
     pub fn from_json(text: &str, folder: &Path, overrides: &[Override]) -> Result<Self> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut value = unique_keys::parse(text)?;
-        // For editors: which schema the file follows. It says nothing of the picture.
-        if let Some(keys) = value.as_object_mut()
-            && keys.get(SCHEMA_KEY).is_some_and(Value::is_string)
-        {
-            keys.remove(SCHEMA_KEY);
-        }
+        let value = unique_keys::parse(text)?;
         let mut scene = Self::from_value(value, overrides)?;
         // `join` keeps an absolute path as it is.
         if scene.volume.procedural.is_none() {
@@ -134,6 +128,10 @@ impl Scene {
             one.apply(&mut value)?;
         }
         shape::check(&value)?;
+        // For editors: which schema the file follows. It says nothing of the picture.
+        if let Some(keys) = value.as_object_mut() {
+            keys.remove(SCHEMA_KEY);
+        }
         let scene: Self = serde_path_to_error::deserialize(value)
             .map_err(|e| Error::invalid(e.path().to_string(), e.inner().to_string()))?;
         scene.validate()?;

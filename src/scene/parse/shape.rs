@@ -1,8 +1,7 @@
 //! Checks keys, types and names of a scene's JSON against the scene's own JSON Schema.
 //!
 //! serde alone reports an unknown key inside a tagged enum without its place, and lists what it wants in Rust's
-//! terms. The schema is derived from the same types, so what is published is what is enforced;
-//! `$schema`, which says nothing of the picture, is taken out before.
+//! terms. The schema is derived from the same types, so what is published is what is enforced.
 //! Only the keywords that `schemars` derives for the scene are interpreted.
 
 use serde_json::{Map, Value};

@@ -5,10 +5,10 @@
 help:
 	@echo 'make demo      render the CT in data/ into out/'
 	@echo 'make test      run every test'
-	@echo 'make figures   render docs/figures/ and measure docs/results.md'
+	@echo 'make figures   render docs/figures/, measure docs/results.md and docs/conformance.md'
 	@echo 'make gallery   draw every volume at hand into docs/gallery.png'
 	@echo 'make bench     measure on this machine, about a minute'
-	@echo 'make bench-report   measure for the record, beside VTK, about ten minutes; docs/performance.md'
+	@echo 'make bench-report   measure for the record, beside VTK, a quarter of an hour; docs/performance.md'
 	@echo 'make shaders   compile glsl/ into spirv/ (needs glslc)'
 	@echo
 	@echo 'demo, test, figures, gallery, bench and bench-report first install what is missing (apt-get, as root or with sudo).'

@@ -3,7 +3,7 @@
 #
 #   scripts/bench-report.sh [FOLDER]
 #
-# FOLDER (default bench/runs/ and the day) gets figures.json, peers.json and report.html, docs/performance.md the tables.
+# FOLDER (default bench/runs/, the day and the number of cores) gets figures.json, peers.json and report.html, docs/performance.md the tables.
 # Takes about a quarter of an hour on two idle cores, after the build; anything else that runs there spoils the times.
 # UMBRAVOX_BENCH_SET=short measures less. UMBRAVOX_PEERS_VENV names the virtual environment with VTK; it is made where it is missing.
 set -euo pipefail

@@ -86,7 +86,7 @@ impl BeamCounts {
 pub(crate) struct Beams {
     /// Of every tile the march's workgroups, and how many beams each run has listed.
     pub(super) tiles: Buffer,
-    /// Where listed beams lie in their tile.
+    /// Where listed beams lie in their tile, and which of their words have bits.
     list: Buffer,
     /// Bits of all beams.
     runs: Buffer,

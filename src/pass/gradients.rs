@@ -1,6 +1,6 @@
 //! The volume of gradients.
 //!
-//! Reads   atlas, index (SampledRead), packed corners (SampledGeneral), list of chunks (storage buffer the host wrote)
+//! Reads   atlas (SampledRead), index, packed corners (SampledGeneral), list of chunks (storage buffer the host wrote)
 //! Writes  the volume of gradients (Storage), for the chunks listed
 //! Grid    one workgroup for 4x4x4 voxels, or so many fours of them, 64 for a chunk of 16^3 voxels
 //! Method  the estimators of glsl/include/gradient.glsl, at voxels

@@ -1,6 +1,6 @@
 //! Local ambient occlusion: one direction a frame for every sample of the light volume that can be seen.
 //!
-//! Reads   atlas, index, labels (SampledRead), skip, transfer, packed corners (SampledGeneral), brick table and work
+//! Reads   atlas, labels (SampledRead), index, skip, transfer, packed corners (SampledGeneral), brick table and work
 //!         lists (storage buffers the host wrote)
 //! Writes  the light volume (Storage: a running mean, so each direction reads what the last one wrote)
 //! Grid    one workgroup for 4x4x4 samples of a brick; a second pass for samples that bricks share

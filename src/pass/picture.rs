@@ -1,6 +1,6 @@
 //! Pictures: front-to-back march, projections of values and isosurfaces, into a target image.
 //!
-//! Reads   atlas, index, cell ranges, labels, filtered gradients (SampledRead), skip, transfer and pre-integrated tables, packed corners,
+//! Reads   atlas, cell ranges, labels, filtered gradients (SampledRead), index, skip, transfer and pre-integrated tables, packed corners,
 //!         loaded gradients, light (SampledGeneral), the host's depth, what beams left
 //!         (Indirect)
 //! Writes  the target (Storage; read too when it is blended over), depths and sample counts (Storage)

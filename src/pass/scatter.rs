@@ -1,7 +1,7 @@
 //! Scattered light on a grid: discrete ordinates, diffusion, zones.
 //!
 //! Reads   atlas, index, transfer, labels for the grid's medium; then the grid alone, the swept light and the
-//!         environment (SampledRead; transfer and packed corners SampledGeneral)
+//!         environment (SampledRead; index, transfer and packed corners SampledGeneral)
 //! Writes  light by direction, sources, fluence, what is scattered towards the eye (Storage), residuals (storage buffer, host-read)
 //! Grid    one workgroup for 4x4x4 points; of a sweep 8x8 points of a layer and a bin; of the zonal method 64 zones
 //! Method  Max 1995, section VII: short characteristics; P1 by finite volumes and over-relaxation; radiosity between zones

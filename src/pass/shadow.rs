@@ -1,6 +1,6 @@
 //! Flux from the lights, swept through the volume.
 //!
-//! Reads   atlas, index, labels (SampledRead), skip, transfer, packed corners (SampledGeneral)
+//! Reads   atlas, labels (SampledRead), index, skip, transfer, packed corners (SampledGeneral)
 //! Writes  optical depths towards the lights (Storage; each layer reads the one before)
 //! Grid    one workgroup for 8x8 points of a layer, one dispatch a layer
 //! Method  Kajiya and Von Herzen 1984; Max 1995, section VI
